@@ -88,6 +88,7 @@ json to_json(const Statistics& s) {
   }
   return {{"steps", s.steps},
           {"list_steps", s.list_steps},
+          {"refreshed_steps", s.refreshed_steps},
           {"reused_steps", s.reused_steps},
           {"list_tests", s.list_tests},
           {"list_seconds", s.list_seconds},

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include <volccd/core/executor.hpp>
 #include <volccd/mesh/topology_delta.hpp>
+#include <volccd/pipelines/detail/local_candidates.hpp>
 #include <volccd/pipelines/detail/predicted_motion.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
@@ -17,8 +20,9 @@ namespace volccd {
 /// apart; their weights in the vertices are at least 0 and add up to 1, so that under P, at the time of P that belongs
 /// to t, each of the two points is at most b from where it is under q. (docs/candidate_lists.md)
 ///
-/// The tests are those that all feature filters of the pipeline keep. Removed features leave the list; a feature that
-/// an edit adds, or whose elements it adds to, ends it. Not thread-safe.
+/// The tests are those that all feature filters of the pipeline keep. Removed features leave the list. Vertices of
+/// added features, and those that have used up their budget, get new lines in P, and their tests are found anew, if
+/// they are few: the list is then *refreshed*. Not thread-safe.
 class CandidateList {
  public:
   /// Makes the list anew, by a run of the pipeline on the motion that goes on from that of the step for `steps` steps
@@ -29,10 +33,10 @@ class CandidateList {
   bool build(const Pipeline& pipeline, const Step& step, Workspace& workspace, Executor& executor, double steps,
              double budget);
 
-  /// Whether the list contains all contacts of the step, after the edits of the topology since it was made. If not,
-  /// there is no list afterwards. The step has the object filter, and at most the separation, of the list. O(vertices +
-  /// edits), and O(list) after edits.
-  bool covers(const Step& step, Executor& executor);
+  /// Whether the list contains all contacts of the step, after the edits of the topology since it was made; it may be
+  /// refreshed for that. If not, there is no list afterwards. The step has the object filter of the list. O(vertices),
+  /// and O(elements + list) after edits and where it is refreshed. Throws as build().
+  bool covers(const Pipeline& pipeline, const Step& step, Executor& executor);
 
   /// s + 2 b, rounded up.
   static double separation(double s, double budget);
@@ -41,6 +45,8 @@ class CandidateList {
   void clear() { made_ = false; }
   const TestBatch& tests() const { return tests_; }
   double budget() const { return budget_; }
+  /// How often the list was refreshed since it was made.
+  int refreshed() const { return refreshed_; }
   /// By how much the last step that was compared with the list is away from its prediction.
   double distance() const { return distance_; }
   /// The time of the prediction, from 0 to 1, at which that step ended.
@@ -48,17 +54,22 @@ class CandidateList {
   /// How far the fastest vertex goes in the time of the prediction.
   double length() const { return prediction_.length(); }
 
-  std::size_t bytes() const { return heap_bytes(prediction_, delta_, tests_.vf, tests_.ee, gone_); }
+  std::size_t bytes() const { return heap_bytes(prediction_, delta_, tests_.vf, tests_.ee, gone_, local_, renewed_); }
 
  private:
   bool follow_edits(const Step& step);
+  void add_changed_vertices(const Step& step, const TopologyChange& change);
   bool is_near(const Step& step, Executor& executor);
+  bool refresh(const Pipeline& pipeline, const Step& step, Executor& executor);
 
   detail::PredictedMotion prediction_;
   TopologyDelta delta_;
   TestBatch tests_;
-  std::vector<std::uint8_t> gone_;  ///< by slot, scratch memory of follow_edits()
+  std::vector<std::uint8_t> gone_;  ///< by slot: scratch memory
+  detail::LocalCandidates local_;
+  std::vector<Index> renewed_;  ///< vertices whose tests are to be found anew
   bool made_ = false;
+  int refreshed_ = 0;
   double separation_ = 0, budget_ = 0, distance_ = 0, reached_ = 0;
 };
 

@@ -36,7 +36,7 @@ void ListPolicy::record_list(double build) {
 
 void ListPolicy::record_use(double seconds, double waste) {
   ++uses_;
-  last_use_ = seconds;
+  last_use_ = uses_ == 1 ? seconds : 0.5 * (last_use_ + seconds);
   wasted_ += waste * seconds;
   credit_ = std::min(credit_ + 1 - seconds / fresh_, kMaxCredit);
 }

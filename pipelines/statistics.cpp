@@ -27,6 +27,7 @@ double StageStatistics::counter(std::string_view which) const {
 Statistics& Statistics::operator+=(const Statistics& other) {
   steps += other.steps;
   list_steps += other.list_steps;
+  refreshed_steps += other.refreshed_steps;
   reused_steps += other.reused_steps;
   list_tests += other.list_tests;
   list_seconds += other.list_seconds;

@@ -34,12 +34,13 @@ struct StageStatistics {
 
 struct Statistics {
   std::uint64_t steps = 0;
-  std::uint64_t list_steps = 0;              ///< steps that made a candidate list; those below and these are not fresh
-  std::uint64_t reused_steps = 0;            ///< steps that used a candidate list of an earlier step
-  std::uint64_t list_tests = 0;              ///< tests in the lists of these steps
-  double list_seconds = 0;                   ///< part of `seconds`: to make lists, and to compare motions with them
-  std::uint64_t element_pairs = 0;           ///< element pairs that the broad phase emitted
-  std::uint64_t adjacent_pairs = 0;          ///< adjacent pairs and self pairs among them; 0 if not requested
+  std::uint64_t list_steps = 0;       ///< steps that made a candidate list; these and those below are not fresh
+  std::uint64_t refreshed_steps = 0;  ///< steps that refreshed a candidate list of an earlier step
+  std::uint64_t reused_steps = 0;     ///< steps that used a candidate list of an earlier step as it was
+  std::uint64_t list_tests = 0;       ///< tests in the lists of all these steps
+  double list_seconds = 0;           ///< part of `seconds`: to make and refresh lists, and to compare motions with them
+  std::uint64_t element_pairs = 0;   ///< element pairs that the broad phase emitted
+  std::uint64_t adjacent_pairs = 0;  ///< adjacent pairs and self pairs among them; 0 if not requested
   std::uint64_t surviving_pairs = 0;         ///< element pairs after element culling
   std::uint64_t owned_tests = 0;             ///< tests from the assignment
   std::uint64_t orphan_tests = 0;            ///< tests from an orphan source or a flood

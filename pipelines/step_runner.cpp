@@ -57,7 +57,7 @@ bool StepRunner::reuse_list(const Step& step, const Request& request) {
   {
     StageClock clock;
     const StageTimer timer(clock, seconds);
-    covered = list_.covers(step, *executor_);
+    covered = list_.covers(pipeline_, step, *executor_);
   }
   if (!covered) {
     policy_.record_end(distance_, list_.reached() < 1 ? list_.distance() : 0);
@@ -65,7 +65,8 @@ bool StepRunner::reuse_list(const Step& step, const Request& request) {
   }
   distance_ = std::max(distance_, list_.distance());
   run_tests(step, request, seconds);
-  ++result_.statistics.reused_steps;
+  const bool refreshed = list_.refreshed() > std::exchange(refreshed_, list_.refreshed());
+  ++(refreshed ? result_.statistics.refreshed_steps : result_.statistics.reused_steps);
   return true;
 }
 
@@ -84,6 +85,7 @@ bool StepRunner::make_list(const Step& step, const Request& request) {
   }
   if (!made) return false;
   distance_ = 0;
+  refreshed_ = 0;
   policy_.record_list(seconds);
   run_tests(step, request, seconds);
   ++result_.statistics.list_steps;
@@ -98,7 +100,8 @@ void StepRunner::run_tests(const Step& step, Request request, double seconds) {
   statistics.list_tests = list_.tests().size();
   statistics.list_seconds = seconds;
   const double found = static_cast<double>(statistics.contacts + statistics.left_out);
-  policy_.record_use(statistics.seconds, 1 - found / static_cast<double>(std::max<std::uint64_t>(1, statistics.list_tests)));
+  policy_.record_use(statistics.seconds,
+                     1 - found / static_cast<double>(std::max<std::uint64_t>(1, statistics.list_tests)));
   statistics.seconds += seconds;
   if (lists_.use == ListConfig::Use::automatic && !policy_.is_worthwhile()) {
     policy_.record_end(distance_, 0);

@@ -72,6 +72,7 @@ class StepRunner {
   CandidateList list_;
   ListPolicy policy_;
   detail::MotionSample sample_;
+  int refreshed_ = 0;    ///< how often the list had been refreshed before this step
   double distance_ = 0;  ///< the largest distance of a step that the list covered from its prediction
 };
 

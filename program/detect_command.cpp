@@ -158,7 +158,6 @@ class Detection {
   void run_step(int k) {
     stepper_.go_to(k, *executor_);
     if (k == range_.begin) options_.query.check(stepper_);
-    const Topology& topology = stepper_.topology();
     runner_.set_separation(options_.query.separation_in(stepper_));
     const int n = options_.substeps;
     Statistics sum;
@@ -233,11 +232,12 @@ class Detection {
                      reader_.time(k) + toi * (reader_.time(k + 1) - reader_.time(k)), time_unit());
     }
     report_->print("contacts at t = 0: {} of {}\n", grouped(total_.contacts_at_start), grouped(total_.contacts));
-    if (const std::uint64_t listed = total_.list_steps + total_.reused_steps; listed > 0)
-      report_->print("{}: {} fresh, {} made a candidate list, {} used one; {} tests a list; lists took {} ms\n",
-                     options_.substeps > 1 ? "substeps" : "steps", grouped(total_.steps - listed),
-                     grouped(total_.list_steps), grouped(total_.reused_steps), grouped(total_.list_tests / listed),
-                     milliseconds(total_.list_seconds));
+    if (const std::uint64_t listed = total_.list_steps + total_.refreshed_steps + total_.reused_steps; listed > 0)
+      report_->print(
+          "{}: {} fresh, {} made a candidate list, {} refreshed one, {} used one; {} tests a list; lists took {} ms\n",
+          options_.substeps > 1 ? "substeps" : "steps", grouped(total_.steps - listed), grouped(total_.list_steps),
+          grouped(total_.refreshed_steps), grouped(total_.reused_steps), grouped(total_.list_tests / listed),
+          milliseconds(total_.list_seconds));
   }
 
   std::string time_unit() const {

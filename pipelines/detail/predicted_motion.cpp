@@ -23,25 +23,52 @@ bool is_live(const Features& features, Index v) { return features.first_element_
 bool PredictedMotion::set(const Motion& motion, double steps, const Features& features) {
   const int last = motion.control_points() - 1;
   if (lines_.vertex_count() != motion.vertex_count()) lines_ = Motion(motion.vertex_count(), 2);
-  double largest = 0, square = 0;
+  largest_ = 0;
+  double square = 0;
   bool finite = true;
   for (Index v = 0; v < motion.vertex_count(); ++v) {
     const Vec3 x0 = motion.point(v, 0), x1 = motion.point(v, last);
     const bool live = is_live(features, v);
     const Vec3 from = steps == 0 ? x1 : x0, to = steps == 0 || !live ? from : Vec3(x0 + steps * (x1 - x0));
-    lines_.set(v, 0, from);
-    lines_.set(v, 1, to);
-    if (!live) continue;
-    const double magnitude = std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff());
-    finite = finite && magnitude <= kMaxCoordinate;  // false for NaN
-    largest = std::max(largest, magnitude);
+    if (!live)
+      lines_.set(v, 0, from), lines_.set(v, 1, to);
+    else
+      finite = set_line(v, from, to) && finite;
     square = std::max(square, (to - from).squaredNorm());
   }
   length_ = std::sqrt(square);
-  // P(tau) = p0 + tau (p1 - p0): three roundings of numbers of at most 2, 2 and 1 times `largest`, and tau itself may
-  // be rounded once (the middle of an interval); in each of three coordinates.
-  rounding_ = 32 * kUnitRoundoff * largest;
   if (finite) choose_sample();
+  return finite;
+}
+
+bool PredictedMotion::set_line(Index v, const Vec3& from, const Vec3& to) {
+  lines_.set(v, 0, from);
+  lines_.set(v, 1, to);
+  const double magnitude = std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff());
+  if (!(magnitude <= kMaxCoordinate)) return false;
+  largest_ = std::max(largest_, magnitude);
+  // P(tau) = p0 + tau (p1 - p0): three roundings of numbers of at most 2, 2 and 1 times `largest_`, and tau itself may
+  // be rounded once (the middle of an interval); in each of three coordinates.
+  rounding_ = 32 * kUnitRoundoff * largest_;
+  return true;
+}
+
+bool PredictedMotion::renew(const Motion& motion, Interval at, std::span<const Index> vertices) {
+  if (const Index old = lines_.vertex_count(); old != motion.vertex_count()) {
+    Motion longer(motion.vertex_count(), 2);
+    for (Index v = 0; v < old; ++v)
+      for (int c = 0; c < 2; ++c) longer.set(v, c, lines_.point(v, c));
+    lines_ = std::move(longer);
+  }
+  bool finite = true;
+  for (const Index v : vertices) {
+    const Vec3 x0 = motion.point(v, 0), x1 = motion.point(v, motion.control_points() - 1);
+    const double time = at.end - at.begin;
+    Vec3 speed = time > 0 ? Vec3((x1 - x0) / time) : Vec3::Zero();
+    if (!(speed.norm() <= length_)) speed.setZero();
+    const Vec3 from = x1 - at.end * speed;
+    finite = set_line(v, from, from + speed) && finite;
+  }
   return finite;
 }
 
@@ -69,22 +96,24 @@ PredictedMotion::Interval PredictedMotion::nearest(const Motion& motion) const {
   return {time(begin), time(end)};
 }
 
+double PredictedMotion::square_distance(const Motion& motion, Index v, const double (&times)[3]) const {
+  const Vec3 from = lines_.point(v, 0), way = lines_.point(v, 1) - from;
+  double square = 0;
+  for (int i = 0; i < motion.control_points(); ++i) {
+    const double one = (motion.point(v, i) - (from + times[i] * way)).squaredNorm();
+    if (!(one <= square)) square = one;
+  }
+  return square;
+}
+
 double PredictedMotion::distance(const Motion& motion, const Features& features, Interval at, Executor& executor) {
-  const int points = motion.control_points();
-  const double times[3] = {at.begin, points == 2 ? at.end : 0.5 * (at.begin + at.end), at.end};
+  const double times[3] = {at.begin, motion.control_points() == 2 ? at.end : 0.5 * (at.begin + at.end), at.end};
   worst_.assign(executor.workers(), 0);
   executor.parallel_for(motion.vertex_count(), kGrain, [&](std::size_t begin, std::size_t end, unsigned worker) {
     double worst = worst_[worker];
-    for (auto v = static_cast<Index>(begin); v < end; ++v) {
-      const Vec3 from = lines_.point(v, 0), way = lines_.point(v, 1) - from;
-      double square = 0;
-      for (int i = 0; i < points; ++i) {
-        const double one = (motion.point(v, i) - (from + times[i] * way)).squaredNorm();
-        if (!(one <= square)) square = one;
-      }
-      if (!(square <= worst) && is_live(features, v)) worst = square;
-      if (std::isnan(worst)) break;
-    }
+    for (auto v = static_cast<Index>(begin); v < end && !std::isnan(worst); ++v)
+      if (const double square = square_distance(motion, v, times); !(square <= worst) && is_live(features, v))
+        worst = square;
     worst_[worker] = worst;
   });
   double square = 0;
@@ -92,6 +121,14 @@ double PredictedMotion::distance(const Motion& motion, const Features& features,
     if (!(one <= square)) square = one;
   if (!(square <= std::numeric_limits<double>::max())) return std::numeric_limits<double>::infinity();
   return std::max(std::sqrt(square), kMinDistance) * kLengthSlack + rounding_;
+}
+
+void PredictedMotion::find_far(const Motion& motion, const Features& features, Interval at, double limit,
+                               std::size_t max_count, std::vector<Index>& vertices) const {
+  const double times[3] = {at.begin, motion.control_points() == 2 ? at.end : 0.5 * (at.begin + at.end), at.end};
+  std::size_t found = 0;
+  for (Index v = 0; v < lines_.vertex_count() && found <= max_count; ++v)
+    if (!(square_distance(motion, v, times) <= limit * limit) && is_live(features, v)) vertices.push_back(v), ++found;
 }
 
 }  // namespace volccd::detail

@@ -1,6 +1,7 @@
 // Where vertices are expected to be in the next steps, and how far a motion is from it.
 #pragma once
 
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -18,18 +19,24 @@ namespace volccd::detail {
 /// Vertices that no element uses do not count. Not thread-safe.
 class PredictedMotion {
  public:
+  struct Interval {
+    double begin = 0, end = 0;
+  };
+
   /// The motion goes on for `steps` steps as from its first to its last control points: P(0) is its start, P(1 / steps)
   /// its end. With 0 steps, P rests at the end. Returns whether P(1) is finite and small enough for distance().
   /// O(vertices).
   bool set(const Motion& motion, double steps, const Features& features);
 
+  /// Sets new lines for some vertices: where the motion is between these times, going on in the same way, or at rest if
+  /// they would then go further than the longest line. Vertices that were appended to the mesh are to be among them.
+  /// Returns as set().
+  bool renew(const Motion& motion, Interval at, std::span<const Index> vertices);
+
   const Motion& lines() const { return lines_; }
   /// The longest of the lines, from P(0) to P(1).
   double length() const { return length_; }
 
-  struct Interval {
-    double begin = 0, end = 0;
-  };
   /// The times at which a sample of fast vertices is nearest to the start and to the end of the motion.
   Interval nearest(const Motion& motion) const;
 
@@ -37,9 +44,15 @@ class PredictedMotion {
   /// large. Pre: the motion has the vertices of P.
   double distance(const Motion& motion, const Features& features, Interval at, Executor& executor);
 
+  /// Appends the vertices whose distance exceeds a limit, but for rounding; at most max_count + 1 of them.
+  void find_far(const Motion& motion, const Features& features, Interval at, double limit, std::size_t max_count,
+                std::vector<Index>& vertices) const;
+
   std::size_t bytes() const { return heap_bytes(lines_, sample_, speeds_, worst_); }
 
  private:
+  bool set_line(Index v, const Vec3& from, const Vec3& to);
+  double square_distance(const Motion& motion, Index v, const double (&times)[3]) const;
   void choose_sample();
 
   Motion lines_;
@@ -47,6 +60,7 @@ class PredictedMotion {
   std::vector<std::pair<double, Index>> speeds_;  ///< scratch memory of choose_sample()
   std::vector<double> worst_;                     ///< by worker: scratch memory of distance()
   double length_ = 0;
+  double largest_ = 0;   ///< coordinate
   double rounding_ = 0;  ///< bound of the error of a computed point of P
 };
 

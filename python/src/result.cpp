@@ -92,6 +92,11 @@ py::array pairs_copy(const std::vector<ElementPair>& pairs) {
 py::dict statistics_dict(const Statistics& s) {
   py::dict d;
   d["steps"] = s.steps;
+  d["list_steps"] = s.list_steps;
+  d["refreshed_steps"] = s.refreshed_steps;
+  d["reused_steps"] = s.reused_steps;
+  d["list_tests"] = s.list_tests;
+  d["list_seconds"] = s.list_seconds;
   d["element_pairs"] = s.element_pairs;
   d["adjacent_pairs"] = s.adjacent_pairs;
   d["surviving_pairs"] = s.surviving_pairs;

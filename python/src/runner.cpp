@@ -19,6 +19,18 @@ PairScope scope_from(const std::string& pairs) {
   throw ConfigError(fmt::format("pairs: '{}' is not all, inter or intra", pairs));
 }
 
+/// "off", "auto", or a budget and a number of steps.
+ListConfig lists_from(const py::object& lists) {
+  if (!py::isinstance<py::str>(lists)) {
+    const auto [budget, steps] = lists.cast<std::pair<double, double>>();
+    return {.use = ListConfig::Use::always, .budget = budget, .steps = steps};
+  }
+  const auto word = lists.cast<std::string>();
+  if (word == "off") return {};
+  if (word == "auto") return {.use = ListConfig::Use::automatic};
+  throw ConfigError(fmt::format("lists: '{}' is not off, auto, or a pair (budget, steps)", word));
+}
+
 }  // namespace
 
 DetectorConfig detector_config(const py::dict& options) {
@@ -26,7 +38,8 @@ DetectorConfig detector_config(const py::dict& options) {
                         .settings = options["settings"].cast<std::vector<std::string>>(),
                         .threads = options["threads"].cast<unsigned>(),
                         .separation = options["separation"].cast<double>(),
-                        .filter = ObjectFilter(scope_from(options["pairs"].cast<std::string>()))};
+                        .filter = ObjectFilter(scope_from(options["pairs"].cast<std::string>())),
+                        .lists = lists_from(options["lists"])};
   for (const auto& [a, b] : options["exclude"].cast<std::vector<std::pair<std::int32_t, std::int32_t>>>())
     config.filter.exclude(a, b);
   return config;

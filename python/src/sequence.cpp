@@ -71,7 +71,10 @@ SequenceRunner::SequenceRunner(const py::dict& options) : SequenceRunner(detecto
 SequenceRunner::SequenceRunner(const DetectorConfig& config)
     : executor_(make_signal_executor(config.threads)),
       runner_(Pipeline(registry(), registry().pipeline(config.pipeline, config.settings)),
-              {.executor = executor_.get(), .separation = config.separation, .filter = config.filter}) {}
+              {.executor = executor_.get(),
+               .separation = config.separation,
+               .filter = config.filter,
+               .lists = config.lists}) {}
 
 std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, const StepRequest& request,
                                             bool neighbours) {

@@ -39,6 +39,23 @@ def test_statistics(falling):
     assert s["vf_tests"] + s["ee_tests"] == s["stages"][s["stages"]["role"] == "narrow-phase"]["in"][0]
 
 
+def test_lists_have_the_contacts_of_fresh_steps(falling):
+    points, moved, cells = falling
+    substeps = [points + (moved - points) * k / 20 for k in range(21)]
+    fresh, listed = volccd.Detector(cells, separation=0.1), volccd.Detector(cells, separation=0.1, lists=(0.01, 8))
+    reused = found = 0
+    for a, b in zip(substeps, substeps[1:]):
+        expected, result = fresh.step(a, b), listed.step(a, b)
+        assert np.array_equal(expected.contacts, result.contacts)
+        reused += result.statistics["reused_steps"]
+        found += len(result)
+    assert reused >= 16 and found > 0
+    volccd.Detector(cells, lists="auto").step(points, moved)
+    for bad in ("on", (-1, 2), (1, float("nan"))):
+        with pytest.raises(volccd.ConfigError, match="lists"):
+            volccd.Detector(cells, lists=bad)
+
+
 def test_arrays_outlive_the_result(falling):
     contacts = volccd.detect(*falling).contacts
     copy = contacts.copy()

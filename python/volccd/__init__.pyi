@@ -58,7 +58,8 @@ class Detector:
     def __init__(self, cells: _Cells, vertices: Optional[int] = ..., *, objects: Optional[npt.ArrayLike] = ...,
                  ids: Optional[npt.ArrayLike] = ..., thickness: Optional[npt.ArrayLike] = ..., pipeline: str = ...,
                  separation: float = ..., threads: int = ..., settings: _Settings = ..., pairs: _Pairs = ...,
-                 exclude: Iterable[Tuple[int, int]] = ..., edges: _Edges = ...) -> None: ...
+                 exclude: Iterable[Tuple[int, int]] = ..., edges: _Edges = ...,
+                 lists: Union[str, Tuple[float, float]] = ...) -> None: ...
     def step(self, points0: npt.ArrayLike, points1: npt.ArrayLike, middle: Optional[npt.ArrayLike] = ..., *,
              first: bool = ..., initial_overlaps: bool = ..., t_max: float = ...) -> Result: ...
     def edit(self, remove: npt.ArrayLike = ..., add: _Cells = ..., *, new_vertices: int = ...,

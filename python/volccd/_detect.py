@@ -7,13 +7,14 @@ import numpy as np
 from . import _core, _meshes
 
 
-def _options(pipeline, settings, threads, separation, pairs, exclude):
+def _options(pipeline, settings, threads, separation, pairs, exclude, lists="off"):
     if isinstance(settings, str):
         settings = [settings]
     if not 0 <= threads < 2**32:
         raise _core.ConfigError(f"threads: {threads} is not a number of threads; 0: as many as the machine has")
     return {"pipeline": pipeline, "settings": list(settings), "threads": int(threads), "separation": float(separation),
-            "pairs": pairs, "exclude": [(int(a), int(b)) for a, b in exclude]}
+            "pairs": pairs, "exclude": [(int(a), int(b)) for a, b in exclude],
+            "lists": lists if isinstance(lists, str) else tuple(float(x) for x in lists)}
 
 
 class Detector:
@@ -34,6 +35,10 @@ class Detector:
         v // 3, and contacts between features that stem from one point are in `Result.left_out`.
     pipeline, separation, threads, settings, pairs, exclude, edges :
         As in `volccd.detect`.
+    lists : "off", "auto" or (budget, steps)
+        Whether steps test the candidates of earlier steps instead of finding all pairs anew; contacts are the same. For
+        small steps, as a solver's. "auto": where that is faster, as measured; or with a budget (a distance) by which
+        points may be away from where the motion would bring them if it went on for a number of steps.
 
     A Detector serves one thread at a time; it raises `volccd.Error` otherwise. The GIL is released while it works, so
     that Detectors of several Python threads run side by side.
@@ -54,7 +59,7 @@ class Detector:
     """
 
     def __init__(self, cells, vertices=None, *, objects=None, ids=None, thickness=None, pipeline="VolCCD+",
-                 separation=0.0, threads=0, settings=(), pairs="all", exclude=(), edges="triangulated"):
+                 separation=0.0, threads=0, settings=(), pairs="all", exclude=(), edges="triangulated", lists="off"):
         if hasattr(cells, "points"):
             vertices = len(cells.points) if vertices is None else vertices
             cells = _meshes.cells_of(cells)
@@ -65,7 +70,7 @@ class Detector:
         if thickness is not None:
             thickness = np.ascontiguousarray(np.broadcast_to(np.asarray(thickness, float), (n,)))
         self._core = _core.Detector(arrays, vertices, thickness, edges,
-                                    _options(pipeline, settings, threads, separation, pairs, exclude))
+                                    _options(pipeline, settings, threads, separation, pairs, exclude, lists))
         self._next_id = int(arrays["ids"].max()) + 1 if n else 0
 
     def step(self, points0, points1, middle=None, *, first=False, initial_overlaps=False, t_max=1.0):

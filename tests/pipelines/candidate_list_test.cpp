@@ -81,7 +81,7 @@ struct Lists {
 };
 constexpr Lists kLists[] = {{0.05, 0}, {0.02, 8}, {0.3, 3}, {0, 5}, {1e-310, 0}};
 
-/// Removes some elements, and adds removed ones and one on a new vertex in some of the edits.
+/// Removes some elements, or adds removed ones and one on a new vertex, and changes the object of an element.
 void edit(Topology& topology, Course& course, std::vector<ElementSpec>& out, Random& random) {
   const Mesh& mesh = topology.mesh();
   TopologyEdit edit;
@@ -93,28 +93,48 @@ void edit(Topology& topology, Course& course, std::vector<ElementSpec>& out, Ran
     const Index n = mesh.vertex_count();
     edit.new_vertex_ids = {mesh.vertex_ids().back() + 1};
     edit.added.push_back({.type = ElementType::triangle, .vertices = {0, 1, n}, .object = 2, .id = next});
+    // An element changes its object, and with it the pairs that a filter asks for.
+    for (Index o = 0; o < mesh.element_slots() && edit.removed.empty(); ++o)
+      if (mesh.is_live(o) && random.below(3) == 0) {
+        edit.removed.push_back(o);
+        edit.added.push_back(mesh.spec(o));
+        edit.added.back().object = 3 - edit.added.back().object;
+      }
     course.add_vertex(course.positions()[0] + random_vector(random, 1));
+    topology.apply(edit);
+    return;
   }
   for (Index o = 0; o < mesh.element_slots(); ++o)
     if (mesh.is_live(o) && random.below(9) == 0) edit.removed.push_back(o), out.push_back(mesh.spec(o));
   topology.apply(edit);
 }
 
-/// Compares a runner that makes lists with fresh runners over many steps. Returns how many steps used a list.
-std::uint64_t compare(const Shape& shape, const Lists& lists, double separation, int control_points, double pace,
-                      bool edits, std::uint64_t seed) {
+/// How many steps used a list as it was, and how many refreshed one.
+struct Uses {
+  std::uint64_t reused = 0, refreshed = 0;
+  Uses& operator+=(const Uses& other) {
+    reused += other.reused, refreshed += other.refreshed;
+    return *this;
+  }
+};
+
+/// Compares a runner that makes lists with a fresh one over many steps.
+Uses compare(const Shape& shape, const Lists& lists, double separation, int control_points, double pace, bool edits,
+             std::uint64_t seed) {
   const std::string what = "budget " + std::to_string(lists.budget) + ", steps " + std::to_string(lists.steps) +
                            ", separation " + std::to_string(separation) + ", seed " + std::to_string(seed);
   Topology topology(shape.mesh());
   Course course(shape.positions, pace, seed);
   Random random(seed + 1);
   std::vector<ElementSpec> out;
+  ObjectFilter filter(seed % 3 == 0 ? PairScope::inter : seed % 3 == 1 ? PairScope::intra : PairScope::all);
+  if (seed % 6 == 2) filter.exclude(1, 2);
   const auto runner = [&](ListConfig config) {
     return StepRunner(Pipeline(registry(), registry().pipeline("VolCCD+")),
-                      {.separation = separation, .lists = config});
+                      {.separation = separation, .filter = filter, .lists = config});
   };
   StepRunner fresh = runner({}), listed = runner({ListConfig::Use::always, lists.budget, lists.steps});
-  std::uint64_t reused = 0;
+  Uses uses;
   for (int k = 0; k < 24; ++k) {
     if (edits && k % 3 == 2) edit(topology, course, out, random);
     if (random.below(6) == 0) {
@@ -127,39 +147,45 @@ std::uint64_t compare(const Shape& shape, const Lists& lists, double separation,
     const double t_max = random.below(5) == 0 ? 0.5 : 1;
     expect_equal(fresh.run(topology, motion, request, t_max), listed.run(topology, motion, request, t_max),
                  what + ", step " + std::to_string(k));
-    reused += listed.result().statistics.reused_steps;
+    const Statistics& statistics = listed.result().statistics;
+    uses += {statistics.reused_steps, statistics.refreshed_steps};
   }
-  return reused;
+  return uses;
 }
 
 TEST(CandidateLists, HaveTheContactsOfFreshSteps) {
-  std::uint64_t reused = 0, seed = 0;
+  Uses uses;
+  std::uint64_t seed = 0;
   for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::quad})
     for (const Lists& lists : kLists)
       for (const double separation : {0.0, 0.03})
         for (const int control_points : {2, 3})
           for (const double pace : {0.004, 0.05})
-            reused += compare(two_bodies(block(type, 2, 2, 1)), lists, separation, control_points, pace, false, ++seed);
-  EXPECT_GT(reused, 700u);
+            uses += compare(two_bodies(block(type, 2, 2, 1)), lists, separation, control_points, pace, false, ++seed);
+  EXPECT_GT(uses.reused, 700u);
+  EXPECT_GT(uses.refreshed, 30u);
 }
 
 TEST(CandidateLists, FollowEdits) {
-  std::uint64_t reused = 0, seed = 1000;
+  Uses uses;
+  std::uint64_t seed = 1000;
   for (const Shape& shape : {block(ElementType::tetrahedron, 2, 2, 1), mixed_block(1, 1)})
     for (const Lists& lists : kLists)
       for (const double separation : {0.0, 0.03})
-        reused += compare(two_bodies(shape), lists, separation, 2, 0.004, true, ++seed);
-  EXPECT_GT(reused, 60u);
+        uses += compare(two_bodies(shape), lists, separation, 2, 0.004, true, ++seed);
+  EXPECT_GT(uses.reused, 60u);
+  EXPECT_GT(uses.refreshed, 30u);
 }
 
 /// Far from the origin, where positions are rounded to 1.5e-8.
 TEST(CandidateLists, HoldFarFromTheOrigin) {
-  std::uint64_t reused = 0, seed = 2000;
+  Uses uses;
+  std::uint64_t seed = 2000;
   Shape shape = two_bodies(block(ElementType::tetrahedron, 2, 2, 1));
   shape.translate(Vec3(1e8, -1e8, 1e8));
   for (const Lists& lists : {Lists{0.05, 0}, Lists{0.02, 8}, Lists{2e-8, 8}})
-    for (const double separation : {0.0, 0.03}) reused += compare(shape, lists, separation, 2, 0.004, false, ++seed);
-  EXPECT_GT(reused, 30u);
+    for (const double separation : {0.0, 0.03}) uses += compare(shape, lists, separation, 2, 0.004, false, ++seed);
+  EXPECT_GT(uses.reused, 30u);
 }
 
 /// All scopes of pairs, and the lists that a detector makes by itself.
