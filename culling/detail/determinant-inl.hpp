@@ -2,7 +2,7 @@
 // each instruction set by foreach_target.h of Highway.
 #include <limits>
 
-#include <volccd/culling/detail/filter_lanes-inl.hpp>
+#include <volccd/query/block_lanes-inl.hpp>
 
 #if defined(VOLCCD_DETERMINANT_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef VOLCCD_DETERMINANT_INL

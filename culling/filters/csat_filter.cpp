@@ -1,11 +1,9 @@
 #include <volccd/culling/filters/csat_filter.hpp>
 
-#include <limits>
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/filters/csat_filter.cpp"
 #include <hwy/foreach_target.h>
-#include <volccd/culling/detail/filter_lanes-inl.hpp>
+#include <volccd/query/block_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
@@ -44,19 +42,7 @@ class SeparatingAxes {
   HWY_INLINE Lanes3 second_side(int c) const { return sub(e_.at[2][c], e_.at[kKind == FeatureKind::vf ? 0 : 1][c]); }
 
   HWY_INLINE LaneMask separates(const Lanes3& axis) const {
-    Lanes ahead = broadcast(std::numeric_limits<double>::infinity()), behind = ahead;
-    for (int c = 0; c < kControlPoints; ++c) {
-      const Lanes p1 = dot(axis, e_.at[0][c]), p2 = dot(axis, e_.at[1][c]), p3 = dot(axis, e_.at[2][c]);
-      const Lanes low23 = hn::Min(p2, p3), high23 = hn::Max(p2, p3), zero = hn::Zero(Tag());
-      if constexpr (kKind == FeatureKind::vf) {
-        ahead = hn::Min(hn::Min(p1, low23), ahead);
-        behind = hn::Min(hn::Neg(hn::Max(p1, high23)), behind);
-      } else {
-        ahead = hn::Min(hn::Sub(low23, hn::Max(p1, zero)), ahead);
-        behind = hn::Min(hn::Sub(hn::Min(p1, zero), high23), behind);
-      }
-    }
-    return hn::Gt(hn::Max(ahead, behind), gap_threshold(axis, extent_, factor_, separation_));
+    return hn::Gt(gap_along<kKind>(axis, e_), gap_threshold(axis, extent_, factor_, separation_));
   }
 
   Differences<kControlPoints> e_;

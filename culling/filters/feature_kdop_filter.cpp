@@ -11,7 +11,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/filters/feature_kdop_filter.cpp"
 #include <hwy/foreach_target.h>
-#include <volccd/culling/detail/filter_lanes-inl.hpp>
+#include <volccd/query/block_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {

@@ -1,6 +1,7 @@
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
 
 #include <volccd/narrowphase/contact_frame.hpp>
+#include <volccd/narrowphase/detail/clearly_separated.hpp>
 #include <volccd/narrowphase/exact/exact_predicates.hpp>
 #include <volccd/narrowphase/inclusion/detail/crossing_block.hpp>
 #include <volccd/narrowphase/inclusion/detail/inclusion_search.hpp>
@@ -56,7 +57,11 @@ void Inclusion::run(const Step& step, StageState&, unsigned, const TestBlock& bl
                     NarrowCounters& counters) const {
   const FeatureKind kind = block.kind();
   if (step.motion.control_points() != 2 || step.separation > 0) {
-    for (std::size_t i = 0; i < block.size(); ++i) test_one(step, kind, block.vertices(i), contacts, counters);
+    std::array<std::uint8_t, TestBlock::kCapacity> keep;
+    keep.fill(1);
+    drop_clearly_separated(block, step.separation, keep);
+    for (std::size_t i = 0; i < block.size(); ++i)
+      if (keep[i] != 0) test_one(step, kind, block.vertices(i), contacts, counters);
     return;
   }
   CoplanarityBlock cubics;

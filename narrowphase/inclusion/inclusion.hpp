@@ -34,7 +34,9 @@ enum class Undecided {
 /// points of the features; the axes are the directions between the closest points at the likely time of contact, and
 /// the last successful axis. An interval certainly begins with a contact if the polynomial changes its sign while the
 /// features overlap in the projection along a fixed direction. Otherwise the interval is split. A sign is used only if
-/// the magnitude exceeds its rounding bound (docs/numerics.md). A vector kernel decides most tests before this search.
+/// the magnitude exceeds its rounding bound (docs/numerics.md). Vector kernels decide most tests before this search.
+/// With a separation or three control points, they only drop tests that the search would drop as well; with a small
+/// `max_intervals`, also tests that it would give up and report.
 ///
 /// Two or three control points, any separation. Allocates memory for contacts only (and in `exact`). See also Snyder et
 /// al. 1993 and Wang et al. 2021 for inclusion-based tests, Tang et al. 2010 and 2014 for Bernstein signs.

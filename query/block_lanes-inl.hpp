@@ -1,19 +1,20 @@
-// Common functions of the feature filters; each vector lane processes one test. Included once for each instruction set
-// by foreach_target.h of Highway.
+// Common functions of the vector kernels that drop tests of a block: feature filters and narrow phases. Each vector
+// lane processes one test. Included once for each instruction set by foreach_target.h of Highway.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 
 #include <volccd/numerics/vector_lanes-inl.hpp>
 #include <volccd/query/test_block.hpp>
 
-#if defined(VOLCCD_FILTER_LANES_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef VOLCCD_FILTER_LANES_INL
-#undef VOLCCD_FILTER_LANES_INL
+#if defined(VOLCCD_QUERY_BLOCK_LANES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef VOLCCD_QUERY_BLOCK_LANES_INL
+#undef VOLCCD_QUERY_BLOCK_LANES_INL
 #else
-#define VOLCCD_FILTER_LANES_INL
+#define VOLCCD_QUERY_BLOCK_LANES_INL
 #endif
 
 HWY_BEFORE_NAMESPACE();
@@ -51,6 +52,38 @@ struct Differences {
     for (int v = 0; v < 3; ++v) restrict_to<kControlPoints>(interval, at[v]);
   }
 };
+
+/// By how much one feature is beyond the other along an axis at all control points, in the same order: without a
+/// rounding bound, and negative if the projections overlap at some control point.
+template <FeatureKind kKind>
+class Gap {
+ public:
+  HWY_INLINE Gap() : ahead_(broadcast(std::numeric_limits<double>::infinity())), behind_(ahead_) {}
+  /// Projections of the differences 1, 2, 3 at one control point; vertex 0 is the origin.
+  HWY_INLINE void include(Lanes p1, Lanes p2, Lanes p3) {
+    const Lanes low23 = hn::Min(p2, p3), high23 = hn::Max(p2, p3), zero = hn::Zero(Tag());
+    if constexpr (kKind == FeatureKind::vf) {
+      ahead_ = hn::Min(hn::Min(p1, low23), ahead_);
+      behind_ = hn::Min(hn::Neg(hn::Max(p1, high23)), behind_);
+    } else {
+      ahead_ = hn::Min(hn::Sub(low23, hn::Max(p1, zero)), ahead_);
+      behind_ = hn::Min(hn::Sub(hn::Min(p1, zero), high23), behind_);
+    }
+  }
+  HWY_INLINE Lanes greatest() const { return hn::Max(ahead_, behind_); }
+
+ private:
+  Lanes ahead_, behind_;
+};
+
+/// The gap along any axis.
+template <FeatureKind kKind, int kControlPoints>
+HWY_INLINE Lanes gap_along(const Lanes3& axis, const Differences<kControlPoints>& e) {
+  Gap<kKind> gap;
+  for (int c = 0; c < kControlPoints; ++c)
+    gap.include(dot(axis, e.at[0][c]), dot(axis, e.at[1][c]), dot(axis, e.at[2][c]));
+  return gap.greatest();
+}
 
 /// Bit k: whether test k of 8 is dropped. dropped(tests from k on) returns a mask for one register of tests.
 template <std::size_t kDistance, class Dropped>
