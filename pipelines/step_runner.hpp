@@ -5,9 +5,9 @@
 #include <memory>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/pipelines/candidate_list.hpp>
-#include <volccd/pipelines/detail/motion_sample.hpp>
-#include <volccd/pipelines/list_policy.hpp>
+#include <volccd/pipelines/lists/candidate_list.hpp>
+#include <volccd/pipelines/lists/detail/motion_sample.hpp>
+#include <volccd/pipelines/lists/list_policy.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 namespace volccd {

@@ -1,4 +1,4 @@
-#include <volccd/pipelines/detail/predicted_motion.hpp>
+#include <volccd/pipelines/lists/detail/predicted_motion.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/pipelines/list_policy.hpp>
+#include <volccd/pipelines/lists/list_policy.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {

@@ -1,4 +1,4 @@
-#include <volccd/pipelines/list_policy.hpp>
+#include <volccd/pipelines/lists/list_policy.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -31,15 +31,19 @@ void ListPolicy::record_list(double build) {
   cost_ = build / fresh_;
   credit_ -= cost_;
   wasted_ = 0;
+  used_ = 0;
   uses_ = 0;
 }
 
 void ListPolicy::record_use(double seconds, double waste) {
   ++uses_;
-  last_use_ = uses_ == 1 ? seconds : 0.5 * (last_use_ + seconds);
+  used_ += seconds;
   wasted_ += waste * seconds;
   credit_ = std::min(credit_ + 1 - seconds / fresh_, kMaxCredit);
 }
+
+/// Single times are too uncertain to give up a list for them.
+bool ListPolicy::is_worthwhile() const { return used_ < (uses_ < 4 ? 2 : 0.95) * uses_ * fresh_; }
 
 void ListPolicy::record_end(double covered, double missed) {
   const bool early = missed > 0 && uses_ < planned_steps_ / 2;

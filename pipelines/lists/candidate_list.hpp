@@ -7,8 +7,8 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/mesh/topology_delta.hpp>
-#include <volccd/pipelines/detail/local_candidates.hpp>
-#include <volccd/pipelines/detail/predicted_motion.hpp>
+#include <volccd/pipelines/lists/detail/local_candidates.hpp>
+#include <volccd/pipelines/lists/detail/predicted_motion.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 namespace volccd {

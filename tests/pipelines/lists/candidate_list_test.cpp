@@ -13,7 +13,7 @@
 #include <volccd/mesh/shells.hpp>
 #include <volccd/pipelines/detector.hpp>
 
-#include "scenes.hpp"
+#include "pipelines/scenes.hpp"
 
 namespace volccd::test {
 namespace {

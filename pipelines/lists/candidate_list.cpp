@@ -1,4 +1,4 @@
-#include <volccd/pipelines/candidate_list.hpp>
+#include <volccd/pipelines/lists/candidate_list.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -18,10 +18,10 @@ struct ListConfig {
 };
 
 /// Decides from measured times where lists are made, so that all steps together take at most a few percent more than
-/// fresh steps would. A list is made after two steps whose motions agree, if it is expected to serve at least kMinSteps;
-/// how far it goes follows from what earlier lists cost and were used for. What lists cost is paid from a credit: a
-/// share of the time of fresh steps, and what earlier lists saved. Knows nothing of lists, so that it can be tested with
-/// made-up times.
+/// fresh steps would. A list is made after two steps whose motions agree, if it is expected to serve at least
+/// kMinSteps; how far it goes follows from what earlier lists cost and were used for. What lists cost is paid from a
+/// credit: a share of the time of fresh steps, and what earlier lists saved. Knows nothing of lists, so that it can be
+/// tested with made-up times.
 class ListPolicy {
  public:
   struct Plan {
@@ -45,7 +45,7 @@ class ListPolicy {
   /// A step took `seconds` with the list; `waste` is the share of its tests without a contact.
   void record_use(double seconds, double waste);
   /// Whether steps with the present list take less time than fresh ones. If not, it is to be given up.
-  bool is_worthwhile() const { return last_use_ < 0.95 * fresh_; }
+  bool is_worthwhile() const;
   /// The list is no longer used. `covered`: the largest distance of a step that it covered from its prediction;
   /// `missed`: that of the step that it does not cover, 0 if its steps were used up.
   void record_end(double covered, double missed);
@@ -53,19 +53,19 @@ class ListPolicy {
   static constexpr double kMinSteps = 5;
 
  private:
-  static constexpr double kShare = 0.02;      ///< of the time of fresh steps, that lists may cost
-  static constexpr double kMaxCredit = 20;    ///< in times of a fresh step
-  static constexpr double kFirstCost = 3;     ///< of a list, before one was made, in times of a fresh step
+  static constexpr double kShare = 0.02;    ///< of the time of fresh steps, that lists may cost
+  static constexpr double kMaxCredit = 20;  ///< in times of a fresh step
+  static constexpr double kFirstCost = 3;   ///< of a list, before one was made, in times of a fresh step
   static constexpr double kMaxSteps = 4096;
 
   int fresh_steps_ = 0;
-  double fresh_ = 0;             ///< seconds of a fresh step; the first one, which builds tables, does not count
-  double credit_ = kFirstCost;   ///< in times of a fresh step
-  double cost_ = kFirstCost;     ///< of a list, in times of a fresh step
-  double reach_ = 0.25;          ///< way of the fastest vertex that a list is made for, in edges
-  double ratio_ = 1.0 / 64;      ///< part of the budget that is proportional to this way
+  double fresh_ = 0;            ///< seconds of a fresh step; the first one, which builds tables, does not count
+  double credit_ = kFirstCost;  ///< in times of a fresh step
+  double cost_ = kFirstCost;    ///< of a list, in times of a fresh step
+  double reach_ = 0.25;         ///< way of the fastest vertex that a list is made for, in edges
+  double ratio_ = 1.0 / 64;     ///< part of the budget that is proportional to this way
   // of the present list
-  double build_ = 0, wasted_ = 0, last_use_ = 0;  ///< seconds
+  double build_ = 0, wasted_ = 0, used_ = 0;  ///< seconds
   double planned_steps_ = 0, planned_budget_ = 0;
   int uses_ = 0;
 };

@@ -1,4 +1,4 @@
-#include <volccd/pipelines/detail/local_candidates.hpp>
+#include <volccd/pipelines/lists/detail/local_candidates.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include <volccd/pipelines/detail/motion_sample.hpp>
+#include <volccd/pipelines/lists/detail/motion_sample.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/pipelines/list_policy.hpp>
+#include <volccd/pipelines/lists/list_policy.hpp>
 
 namespace volccd::test {
 namespace {
