@@ -1,5 +1,7 @@
 #include <volccd/narrowphase/contact_frame.hpp>
 
+#include <cmath>
+
 #include <Eigen/Geometry>
 
 namespace volccd::detail {
@@ -17,15 +19,38 @@ Vec3 position(const double* x, double t, int control_points) {
   return s * first + t * second;
 }
 
+/// A direction of unit length, or zero if it is too short to be determined.
+Vec3 direction(const Vec3& apart, double size) {
+  const double length = apart.norm();
+  return length > kMinSeparation * size ? Vec3(apart / length) : Vec3(Vec3::Zero());
+}
+
+/// Lengths are in the unit of the points, multiplied by `scale`.
 template <class Points>
-Contact contact_of(FeatureKind kind, const Points& points, double t, int side, bool apart) {
+Contact contact_of(FeatureKind kind, const Points& points, double scale, double t, int side, bool apart) {
   Contact contact;
   contact.kind = kind;
   contact.toi = t;
   const Differences d = points.at(t);
-  contact.normal = contact_normal(kind, d, apart ? d : points.at(t - kBefore), points.size, side);
-  contact.weights = closest_points(kind, d).weights;
+  const ClosestPoints closest = closest_points(kind, d);
+  contact.normal = apart && side == 0 ? direction(closest.separation, points.size)
+                                      : contact_normal(kind, d, apart ? d : points.at(t - kBefore), points.size, side);
+  contact.weights = closest.weights;
+  contact.gap = std::sqrt(closest.squared_distance) / scale;
   return contact;
+}
+
+/// Calls use(points, scale) for the differences of the points, scaled if they are not of ordinary size.
+template <class Use>
+auto with_points(const TestPoints& x, int control_points, Use&& use) {
+  const auto scaled = [&](const auto& differences) {
+    double scale = 1;
+    auto points = differences(x, scale);
+    if (!(points.size >= kMinSize && points.size <= kGreatestSize))
+      points = differences(x, scale = range_scale(x, control_points));
+    return use(points, scale);
+  };
+  return control_points == 2 ? scaled(moving_points) : scaled(curved_points);
 }
 
 }  // namespace
@@ -40,9 +65,7 @@ Vec3 contact_normal(FeatureKind kind, const Differences& touching, const Differe
       return (along ? n : Vec3(-n)) / length;
     }
   }
-  const Vec3 apart = closest_points(kind, before).separation;
-  const double length = apart.norm();
-  return length > kMinSeparation * size ? Vec3(apart / length) : Vec3(Vec3::Zero());
+  return direction(closest_points(kind, before).separation, size);
 }
 
 Vec3 contact_point(FeatureKind kind, const TestPoints& x, double t, const std::array<double, 4>& weights,
@@ -55,15 +78,27 @@ Vec3 contact_point(FeatureKind kind, const TestPoints& x, double t, const std::a
 
 Contact contact_at(FeatureKind kind, const std::array<Index, 4>& vertices, const TestPoints& x, int control_points,
                    double t, int side, double separation) {
-  const auto contact_of_scaled = [&](const auto& scaled) {
-    auto points = scaled(x, 1);
-    if (!(points.size >= kMinSize && points.size <= kGreatestSize)) points = scaled(x, range_scale(x, control_points));
-    return contact_of(kind, points, t, side, separation > 0);
-  };
-  Contact contact = control_points == 2 ? contact_of_scaled(moving_points) : contact_of_scaled(curved_points);
+  Contact contact = with_points(x, control_points, [&](const auto& points, double scale) {
+    return contact_of(kind, points, scale, t, side, separation > 0);
+  });
   contact.vertices = vertices;
   contact.point = contact_point(kind, x, t, contact.weights, control_points);
   return contact;
+}
+
+ContactEnd contact_end(FeatureKind kind, const TestPoints& x, int control_points) {
+  ContactEnd end;
+  with_points(x, control_points, [&](const auto& points, double scale) {
+    const ClosestPoints closest = closest_points(kind, points.at(1));
+    end.gap = std::sqrt(closest.squared_distance) / scale;
+    end.weights = closest.weights;
+    return 0;
+  });
+  end.first.setZero();
+  for (std::size_t i = 0; i < (kind == FeatureKind::vf ? 1u : 2u); ++i)
+    end.first += end.weights[i] * position(x[i], 1, control_points);
+  end.second = contact_point(kind, x, 1, end.weights, control_points);
+  return end;
 }
 
 }  // namespace volccd::detail

@@ -31,4 +31,7 @@ Vec3 contact_point(FeatureKind kind, const TestPoints& x, double t, const std::a
 Contact contact_at(FeatureKind kind, const std::array<Index, 4>& vertices, const TestPoints& x, int control_points,
                    double t, int side, double separation = 0);
 
+/// The closest points of two features at t = 1.
+ContactEnd contact_end(FeatureKind kind, const TestPoints& x, int control_points);
+
 }  // namespace volccd::detail

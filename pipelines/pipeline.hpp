@@ -44,6 +44,8 @@ struct Request {
   /// Fill Statistics::adjacent_pairs if the broad phase emits adjacent pairs. This costs one comparison per pair, which
   /// belongs to no stage; measurements should disable it.
   bool count_adjacent = true;
+  /// Fill StepResult::ends.
+  bool ends = false;
   /// The mesh is the solid mesh of a ShellThickener: contacts of features that correspond to the same vertex of the
   /// shell mesh (share_shell_vertex) are not reported as contacts. All stages process their tests like all others.
   bool leave_out_shell_neighbours = false;
@@ -60,6 +62,8 @@ struct Request {
 struct StepResult {
   /// In canonical order, each feature pair once. The same bit for bit for any number of workers.
   std::vector<Contact> contacts;
+  /// If requested: the features of each contact, in the same order, at the end of the step.
+  std::vector<ContactEnd> ends;
   /// The contacts that Request::leave_out_shell_neighbours excludes from `contacts`, in the same order. Empty for
   /// Query::first, which does not find all of them.
   std::vector<Contact> left_out;

@@ -23,17 +23,27 @@ struct Contact {
   /// Whether the features touch, or are closer than the separation, at t = 0; then toi is 0. (The converse does not
   /// hold: a tolerance in time may round toi to 0 for a later contact.)
   bool at_start = false;
-  // A pipeline sets these two; a narrow phase leaves them as they are.
+  // A pipeline sets the next two; a narrow phase leaves them as they are.
   /// The slots of the two features, in the order of `vertices`: vertex and triangle, or edge 1 and edge 2.
   FeaturePair features = {kNone, kNone};
   /// Of each feature, the slot of the incident element of smallest id.
   std::array<Index, 2> elements = {kNone, kNone};
+  double gap = 0;  ///< distance of the features at toi, in the unit of the coordinates, up to rounding
 
   /// Without slots of features and elements, which depend on the edits that made the topology.
   friend bool operator==(const Contact& x, const Contact& y) {
     return x.kind == y.kind && x.vertices == y.vertices && x.toi == y.toi && x.normal == y.normal &&
-           x.weights == y.weights && x.point == y.point && x.at_start == y.at_start;
+           x.weights == y.weights && x.point == y.point && x.at_start == y.at_start && x.gap == y.gap;
   }
+};
+
+/// The features of a contact at the end of the step (t = 1), which may have passed through each other.
+struct ContactEnd {
+  double gap;  ///< distance of the features, in the unit of the coordinates, up to rounding; not signed
+  std::array<double, 4> weights;  ///< of the vertices, as in Contact, for the closest points
+  Vec3 first, second;             ///< closest points of the first and of the second feature
+
+  friend bool operator==(const ContactEnd&, const ContactEnd&) = default;
 };
 
 /// Canonical order: by kind, then by vertices.

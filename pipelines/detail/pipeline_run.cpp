@@ -253,6 +253,8 @@ class Pipeline::Run {
     if (request_.candidates) data_.merger.merge_collected(data_.workers, *request_.candidates);
     if (request_.query == Query::first) detail::keep_earliest(result.contacts);
     detail::complete(result, step_.topology);
+    result.ends.clear();
+    if (request_.ends) detail::find_ends(result, step_.motion, executor_);
   }
 
   template <class Body>

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <volccd/core/sort_unique.hpp>
+#include <volccd/narrowphase/contact_frame.hpp>
 
 namespace volccd::detail {
 
@@ -65,6 +66,16 @@ void keep_earliest(std::vector<Contact>& contacts) {
     return x.toi != y.toi ? x.toi < y.toi : canonical_less(x, y);
   });
   contacts = {*earliest};
+}
+
+void find_ends(StepResult& result, const Motion& motion, Executor& executor) {
+  result.ends.resize(result.contacts.size());
+  executor.parallel_for(result.contacts.size(), 256, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Contact& contact = result.contacts[i];
+      result.ends[i] = contact_end(contact.kind, test_points(motion, contact.vertices), motion.control_points());
+    }
+  });
 }
 
 void complete(StepResult& result, const Topology& topology) {

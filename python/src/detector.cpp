@@ -35,9 +35,9 @@ class SignalDetector {
 
   std::shared_ptr<Result> step(const DoubleArray& points0, const DoubleArray& points1,
                                const std::optional<DoubleArray>& middle, bool first, bool initial_overlaps,
-                               double t_max) {
+                               double t_max, bool ends) {
     const BusyGuard guard(busy_, "Detector");
-    const StepRequest asked{first, initial_overlaps, t_max};
+    const StepRequest asked{first, initial_overlaps, t_max, ends};
     const std::span<const Vec3> x0 = points_of(points0, "points0"), x1 = points_of(points1, "points1");
     const std::span<const Vec3> xm = middle ? points_of(*middle, "middle") : std::span<const Vec3>();
     const py::gil_scoped_release without_gil;
@@ -81,7 +81,8 @@ void bind_detector(py::module_& module) {
   using Self = SignalDetector;
   py::class_<Self>(module, "Detector")
       .def(py::init<const py::dict&, Index, const std::optional<DoubleArray>&, const std::string&, const py::dict&>())
-      .def("step", &Self::step, "points0"_a, "points1"_a, "middle"_a, "first"_a, "initial_overlaps"_a, "t_max"_a)
+      .def("step", &Self::step, "points0"_a, "points1"_a, "middle"_a, "first"_a, "initial_overlaps"_a, "t_max"_a,
+           "ends"_a)
       .def("edit", &Self::edit)
       .def_property_readonly("element_ids", &Self::element_ids)
       .def_property_readonly("vertex_count", [](Self& d) { return d.detector().mesh().vertex_count(); })

@@ -41,6 +41,7 @@ py::dtype contact_dtype() {
       .add("point", vector_of("<f8", 3), c, c.point)
       .add("weights", vector_of("<f8", 4), c, c.weights)
       .add("at_start", "?", c, c.at_start)
+      .add("gap", "<f8", c, c.gap)
       .dtype(sizeof(Contact));
 }
 
@@ -52,6 +53,21 @@ const py::object& kept_dtype(py::object (*make)(), py::object*& kept) {
 py::dtype contacts_dtype() {
   static py::object* kept = nullptr;
   return kept_dtype([]() -> py::object { return contact_dtype(); }, kept);
+}
+
+py::dtype ends_dtype() {
+  static py::object* kept = nullptr;
+  return kept_dtype(
+      []() -> py::object {
+        const ContactEnd e{};
+        return Fields()
+            .add("gap", "<f8", e, e.gap)
+            .add("weights", vector_of("<f8", 4), e, e.weights)
+            .add("first", vector_of("<f8", 3), e, e.first)
+            .add("second", vector_of("<f8", 3), e, e.second)
+            .dtype(sizeof(ContactEnd));
+      },
+      kept);
 }
 
 py::array stage_table(const std::vector<StageStatistics>& stages) {
@@ -133,7 +149,19 @@ void bind_results(py::module_& module) {
           "none\n"
           "point     float64 (3,) on the second feature at toi, in the unit of the points\n"
           "weights   float64 (4,) of the vertices; vertex-triangle {1, w0, w1, w2}, edge-edge {1-s, s, 1-u, u}\n"
-          "at_start  bool         they touch, or are closer than the separation, at t = 0 already")
+          "at_start  bool         they touch, or are closer than the separation, at t = 0 already\n"
+          "gap       float64      distance of the features at toi, in the unit of the points")
+      .def_property_readonly(
+          "ends",
+          [](const py::object& self) {
+            const auto& ends = self.cast<const Result&>().ends;
+            return view(ends_dtype(), ends.size(), ends.data(), self);
+          },
+          "If asked for: structured array, one entry for each contact, of the features at t = 1.\n\n"
+          "gap       float64      distance of the features, not signed\n"
+          "weights   float64 (4,) of the vertices, for the closest points\n"
+          "first     float64 (3,) closest point of the first feature\n"
+          "second    float64 (3,) closest point of the second feature")
       .def_property_readonly(
           "left_out", [](const py::object& self) { return contacts_view(self.cast<const Result&>().left_out, self); },
           "As `contacts`: those of thickened shells between features that stem from one point.")

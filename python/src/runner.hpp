@@ -20,8 +20,11 @@ EdgeSet edge_set_from(const std::string& edges);
 struct StepRequest {
   bool first = false, initial_overlaps = false;
   double t_max = 1;
+  bool ends = false;
 
-  Request request() const { return {.query = first ? Query::first : Query::all, .initial_overlaps = initial_overlaps}; }
+  Request request() const {
+    return {.query = first ? Query::first : Query::all, .initial_overlaps = initial_overlaps, .ends = ends};
+  }
 };
 
 /// The last result of a Detector or StepRunner, moved out.

@@ -56,6 +56,15 @@ def test_lists_have_the_contacts_of_fresh_steps(falling):
             volccd.Detector(cells, lists=bad)
 
 
+def test_gaps(falling):
+    points, moved, cells = falling
+    result = volccd.Detector(cells, separation=0.1).step(points, points + (moved - points) * 0.3, ends=True)
+    assert len(result.ends) == len(result) > 0
+    assert (result.contacts["gap"] <= 0.1 * (1 + 1e-9)).all()
+    assert np.allclose(np.linalg.norm(result.ends["first"] - result.ends["second"], axis=1), result.ends["gap"])
+    assert len(volccd.Detector(cells, separation=0.1).step(points, moved).ends) == 0
+
+
 def test_arrays_outlive_the_result(falling):
     contacts = volccd.detect(*falling).contacts
     copy = contacts.copy()

@@ -73,7 +73,7 @@ class Detector:
                                     _options(pipeline, settings, threads, separation, pairs, exclude, lists))
         self._next_id = int(arrays["ids"].max()) + 1 if n else 0
 
-    def step(self, points0, points1, middle=None, *, first=False, initial_overlaps=False, t_max=1.0):
+    def step(self, points0, points1, middle=None, *, first=False, initial_overlaps=False, t_max=1.0, ends=False):
         """Contacts of the motion from `points0` (t = 0) to `points1` (t = 1), float (vertices, 3) each.
 
         Arrays that are float64 and C-contiguous are read in place; others are converted once. The motion itself is kept
@@ -87,10 +87,12 @@ class Detector:
             Also list the pairs of elements that overlap at t = 0.
         t_max : float
             Contacts later than this, in 0 .. 1 of the step, need not be found.
+        ends : bool
+            Also give distance and closest points of each contact's features at t = 1, as `Result.ends`.
 
         Returns a `volccd.Result`. Ctrl-C ends the step with KeyboardInterrupt; the Detector can be used again.
         """
-        return self._core.step(points0, points1, middle, first, initial_overlaps, t_max)
+        return self._core.step(points0, points1, middle, first, initial_overlaps, t_max, ends)
 
     def edit(self, remove=(), add=(), *, new_vertices=0, objects=None, ids=None, thickness=None):
         """Changes the mesh between two steps; stages follow the change instead of starting anew.
