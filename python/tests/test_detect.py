@@ -58,9 +58,9 @@ def test_lists_have_the_contacts_of_fresh_steps(falling):
 
 def test_gaps(falling):
     points, moved, cells = falling
-    result = volccd.Detector(cells, separation=0.1).step(points, points + (moved - points) * 0.3, ends=True)
+    result = volccd.Detector(cells, separation=0.2).step(points, points + (moved - points) * 0.49, ends=True)
     assert len(result.ends) == len(result) > 0
-    assert (result.contacts["gap"] <= 0.1 * (1 + 1e-9)).all()
+    assert (result.contacts["gap"] <= 0.2 * (1 + 1e-6)).all()
     assert np.allclose(np.linalg.norm(result.ends["first"] - result.ends["second"], axis=1), result.ends["gap"])
     assert len(volccd.Detector(cells, separation=0.1).step(points, moved).ends) == 0
 
