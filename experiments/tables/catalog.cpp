@@ -57,6 +57,13 @@ std::vector<TableScene> table_scenes(const PlanContext& context) {
   return scenes;
 }
 
+std::vector<TableScene> table_and_large_scenes(const PlanContext& context) {
+  std::vector<TableScene> scenes = table_scenes(context);
+  for (const char* name : {"octopus2-105k-deformed", "cloth-ball", "rod-twist"})
+    if (const std::optional<std::string> file = context.file_of(name)) scenes.push_back({name, *file, true});
+  return scenes;
+}
+
 SequenceStepper::Config table_config(const std::string& file, MotionModel motion) {
   SequenceStepper::Config config;
   if (SequenceReader(file).has_thickness()) config.shells = ShellModel::solid;
