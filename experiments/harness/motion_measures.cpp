@@ -67,14 +67,19 @@ std::uint64_t touching_pair_count(const Topology& topology, std::span<const Cont
   return static_cast<std::uint64_t>(std::unique(pairs.begin(), pairs.end()) - pairs.begin());
 }
 
-double mean_moved_edges(const Features& features, const Motion& motion) {
-  double edges = 0, moved = 0;
+double mean_edge_length(const Features& features, const Motion& motion) {
+  double sum = 0;
   for (Index e = 0; e < features.edge_slots(); ++e)
     if (!features.edge_elements(e).empty())
-      edges += (motion.point(features.edge(e)[0], 0) - motion.point(features.edge(e)[1], 0)).norm();
+      sum += (motion.point(features.edge(e)[0], 0) - motion.point(features.edge(e)[1], 0)).norm();
+  return sum / std::max<double>(1, features.edge_count());
+}
+
+double mean_moved_edges(const Features& features, const Motion& motion) {
+  double moved = 0;
   for (Index v = 0; v < features.vertex_slots(); ++v)
     if (!features.vertex_elements(v).empty()) moved += (motion.point(v, motion.degree()) - motion.point(v, 0)).norm();
-  const double mean_edge = edges / std::max<double>(1, features.edge_count());
+  const double mean_edge = mean_edge_length(features, motion);
   return mean_edge > 0 ? moved / std::max<double>(1, features.vertex_count()) / mean_edge : 0;
 }
 

@@ -19,6 +19,9 @@ std::uint64_t adjacent_pair_count(const Topology& topology);
 /// the other the second. O(contacts x elements at a feature).
 std::uint64_t touching_pair_count(const Topology& topology, std::span<const Contact> contacts);
 
+/// Mean length of the edges in use at t = 0; 0 if there are none.
+double mean_edge_length(const Features& features, const Motion& motion);
+
 /// Mean displacement of the vertices in use, in mean edge lengths at t = 0.
 double mean_moved_edges(const Features& features, const Motion& motion);
 

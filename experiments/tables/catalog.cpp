@@ -12,6 +12,7 @@
 #include <volccd/experiments/tables/pipelines_table.hpp>
 #include <volccd/experiments/tables/plus.hpp>
 #include <volccd/experiments/tables/scaling.hpp>
+#include <volccd/experiments/tables/substeps.hpp>
 #include <volccd/experiments/tables/table1.hpp>
 #include <volccd/io/sequence/reader.hpp>
 
@@ -39,6 +40,8 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        inversion_plan, inversion_tables, nullptr, inversion_rows},
       {"peers", "broad phases side by side, those of other libraries included: update, query, pairs a second, memory",
        peers_plan, peers_tables, peers_summary, peers_rows},
+      {"substeps", "VolCCD+ on motions divided into 1 to 1000 substeps, with and without candidate lists",
+       substeps_plan, substeps_tables, substeps_summary, substeps_rows},
       {"feature-sets", "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
        feature_set_plan, feature_set_tables, nullptr, feature_set_rows, false, false, true},
   };
@@ -54,6 +57,13 @@ std::vector<TableScene> table_scenes(const PlanContext& context) {
     add(name, name + (context.full ? "" : "-quick"));
   for (const char* name : {"ls-dyna-projectile", "openradioss-bullet", "openradioss-airbag", "openradioss-crash"})
     if (context.full || std::string(name) == "ls-dyna-projectile") add(name, name);
+  return scenes;
+}
+
+std::vector<TableScene> table_and_large_scenes(const PlanContext& context) {
+  std::vector<TableScene> scenes = table_scenes(context);
+  for (const char* name : {"octopus2-105k-deformed", "cloth-ball", "rod-twist"})
+    if (const std::optional<std::string> file = context.file_of(name)) scenes.push_back({name, *file, true});
   return scenes;
 }
 

@@ -43,12 +43,16 @@ struct ExperimentKind {
 
 const std::vector<ExperimentKind>& experiment_kinds();
 
-/// The five simulated scenes, followed by those runs of other programs that are available.
 struct TableScene {
   std::string name;  ///< as in rows
   std::string file;
+  bool large = false;  ///< a quick run has fewer steps of it
 };
+/// The five simulated scenes, followed by those runs of other programs that are available.
 std::vector<TableScene> table_scenes(const PlanContext& context);
+/// These, followed by large ones that are available: a mesh of 105 K tetrahedra that is turned and shortened, and two
+/// surfaces.
+std::vector<TableScene> table_and_large_scenes(const PlanContext& context);
 
 /// Configuration of a scene in the tables: shells are solid if the file has their thickness.
 SequenceStepper::Config table_config(const std::string& file, MotionModel motion = MotionModel::linear);

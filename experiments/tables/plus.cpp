@@ -1,7 +1,5 @@
 #include <volccd/experiments/tables/plus.hpp>
 
-#include <algorithm>
-#include <iterator>
 #include <set>
 #include <thread>
 #include <utility>
@@ -43,16 +41,6 @@ Entrant plus_entrant(const PlanContext& context, const std::string& table, const
   result.variant = name.variant;
   result.on_boundary = name.on_boundary;
   return result;
-}
-
-constexpr const char* kLargeScenes[] = {"octopus2-105k-deformed", "cloth-ball", "rod-twist"};
-
-/// table_scenes(), and the large ones.
-std::vector<TableScene> plus_scenes(const PlanContext& context) {
-  std::vector<TableScene> scenes = table_scenes(context);
-  for (const char* name : kLargeScenes)
-    if (const std::optional<std::string> file = context.file_of(name)) scenes.push_back({name, *file});
-  return scenes;
 }
 
 /// The record without the first step of each window, whose state may come from a step farther away; a window of one
@@ -187,8 +175,8 @@ void add_threads_table(const std::vector<Group>& groups, std::vector<TitledTable
 ExperimentPlan plus_plan(const PlanContext& context) {
   ExperimentPlan plan{"plus", context.full ? "full" : "quick", 3, {}};
   const bool two_cores = context.full && std::thread::hardware_concurrency() >= 2;
-  for (const TableScene& scene : plus_scenes(context)) {
-    const bool shortened = !context.full && std::ranges::find(kLargeScenes, scene.name) != std::end(kLargeScenes);
+  for (const TableScene& scene : table_and_large_scenes(context)) {
+    const bool shortened = !context.full && scene.large;
     const bool tentative = context.full && SequenceReader(scene.file).has_velocity();
     for (const MotionModel model : {MotionModel::linear, MotionModel::tentative})
       for (const unsigned threads : {0u, 2u}) {
