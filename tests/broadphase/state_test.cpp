@@ -299,6 +299,47 @@ TEST(AdjacentPairs, AreThoseOfTheMeshAfterPartsOfTheTreeAreRebuilt) {
   EXPECT_GT(KdopBvh::counters(*state).restructured_elements, 0u);
 }
 
+/// Elements are removed, parts of the tree are rebuilt, which moves others to the places of the removed ones in the
+/// tree, and then an edit adds elements in the slots of the removed ones.
+TEST(TopologyChanges, ElementsAddedInSlotsOfRemovedOnesAfterPartsOfTheTreeAreRebuilt) {
+  constexpr std::size_t moving = 8;
+  const Shape shape = bricks(3);
+  std::vector<Vec3> at = shape.positions;
+  for (std::size_t v = 0; v < 27 * moving; ++v) at[v] += Vec3(100, 0, 0);
+  KdopBvh::Config config;
+  config.degradation = 1.05;
+  const KdopBvh phase(config);
+  const auto state = phase.make_state();
+  SerialExecutor executor;
+  Scene scene = make_scene("a part", shape, shape.positions);
+  std::mt19937_64 random(3);
+  const auto expect_all = [&](const std::string& what) {
+    scene.motion = Motion::linear(at, jittered(at, 0.1, random()));
+    EXPECT_EQ(run(phase, scene.step(), *state, PairRange::every, executor),
+              run_fresh(phase, scene.step(), PairRange::every))
+        << what;
+  };
+  expect_all("at first");
+  for (int round = 0; round < 3; ++round) {
+    TopologyEdit removal, addition;
+    for (Index o = static_cast<Index>(round); o < 48 * moving; o += 17) {
+      removal.removed.push_back(o);
+      addition.added.push_back(scene.topology->mesh().spec(o));
+    }
+    scene.topology->apply(removal);
+    expect_all("removed");
+    for (int step = 0; step < 3; ++step) {
+      exchange(at, 0, moving, random);
+      expect_all("exchanged");
+    }
+    scene.topology->apply(addition);
+    expect_all("added");
+    if (HasFailure()) break;
+  }
+  EXPECT_EQ(KdopBvh::counters(*state).builds, 1u);
+  EXPECT_GT(KdopBvh::counters(*state).restructured_elements, 0u);
+}
+
 /// Twenty small blocks that move to random positions, which depend on the seed.
 std::vector<Vec3> scattered(const Shape& shape, std::size_t vertices_a_block, double part) {
   std::mt19937_64 random(5);
