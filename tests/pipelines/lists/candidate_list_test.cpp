@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -325,6 +327,95 @@ TEST(CandidateList, CoversMotionsThatUseUpTheBudget) {
     EXPECT_EQ(listed.result().statistics.reused_steps, reused ? 1u : 0u);
     EXPECT_GT(listed.result().contacts.size(), 0u);
   }
+}
+
+/// A list is for steps with at most its separation, whoever uses it.
+TEST(CandidateList, IsNotForAGreaterSeparation) {
+  const double s = 0.1;
+  const Shape shape = two_bodies(block(ElementType::tetrahedron, 1, 1, 1));
+  const Topology topology(shape.mesh());
+  const Motion rest = Motion::linear(shape.positions, shape.positions);
+  const ObjectFilter filter;
+  const Pipeline pipeline(registry(), registry().pipeline("VolCCD+"));
+  Workspace workspace = pipeline.make_workspace();
+  const auto step = [&](double separation) { return Step{topology, rest, filter, separation}; };
+  CandidateList list;
+  ASSERT_TRUE(list.build(pipeline, step(s), workspace, serial_executor(), 0, 0.05));
+  EXPECT_TRUE(list.covers(pipeline, step(s), serial_executor()));
+  EXPECT_TRUE(list.covers(pipeline, step(s / 2), serial_executor()));
+  EXPECT_FALSE(list.covers(pipeline, step(std::nextafter(s, 1)), serial_executor()));
+  EXPECT_TRUE(list.empty());
+}
+
+/// Two sheets that rest at half of the separation, with a list. Edits remove elements of the upper one, whose last
+/// vertices are above the lower one.
+class RestingSheets {
+ public:
+  RestingSheets() {
+    Shape shape = block(ElementType::quad, 2, 2, 1), other = shape;
+    for (ElementSpec& e : other.elements) e.id += 1000;
+    lower_ = static_cast<Index>(shape.elements.size());
+    shape.append(other.translate(Vec3(-0.25, -0.25, 0.125)), 2);
+    topology_.emplace(shape.mesh());
+    rest_ = Motion::linear(shape.positions, shape.positions);
+  }
+
+  /// Removes elements of the upper sheet from the `first` on.
+  void remove_upper(Index first) {
+    TopologyEdit edit;
+    for (Index o = lower_ + first; o < topology_->mesh().element_slots(); ++o) {
+      removed_.push_back(topology_->mesh().spec(o));
+      edit.removed.push_back(o);
+    }
+    topology_->apply(edit);
+  }
+  void add_again() { topology_->apply({{}, {}, std::exchange(removed_, {})}); }
+
+  /// Compares with a run without a list. Returns the number of contacts.
+  std::size_t compare(const std::string& what) {
+    expect_equal(fresh_.run(*topology_, rest_), listed_.run(*topology_, rest_), what);
+    return fresh_.result().contacts.size();
+  }
+  /// How the last step used a list.
+  Uses uses() const {
+    const Statistics& statistics = listed_.result().statistics;
+    return {statistics.reused_steps, statistics.refreshed_steps};
+  }
+
+ private:
+  static StepRunner runner(const ListConfig& lists) {
+    return StepRunner(Pipeline(registry(), registry().pipeline("VolCCD+")), {.separation = 0.25, .lists = lists});
+  }
+
+  Index lower_ = 0;
+  std::optional<Topology> topology_;
+  Motion rest_;
+  std::vector<ElementSpec> removed_;
+  StepRunner fresh_ = runner({}), listed_ = runner({ListConfig::Use::always, 0.05, 0});
+};
+
+/// A vertex that has lost its elements has no contact, although it is still where it was.
+TEST(CandidateList, HasNoTestsOfRemovedVertices) {
+  RestingSheets sheets;
+  const std::size_t whole = sheets.compare("whole");
+  sheets.remove_upper(1);
+  const std::size_t part = sheets.compare("removed");
+  EXPECT_EQ(sheets.uses().reused, 1u);
+  EXPECT_GT(part, 0u);
+  EXPECT_LT(part, whole);
+}
+
+/// Elements that come back, on vertices that were there all the time.
+TEST(CandidateList, HasTestsOfElementsThatComeBack) {
+  RestingSheets sheets;
+  sheets.remove_upper(1);
+  sheets.compare("removed");
+  const std::size_t part = sheets.compare("removed, with the list");
+  EXPECT_EQ(sheets.uses().reused, 1u);
+  sheets.add_again();
+  const std::size_t whole = sheets.compare("added again");
+  EXPECT_EQ(sheets.uses().refreshed, 1u);
+  EXPECT_GT(whole, part);
 }
 
 }  // namespace
