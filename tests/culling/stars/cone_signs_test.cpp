@@ -51,9 +51,11 @@ bool stays_positive(const std::array<const std::vector<Vec3>*, 4>& corners, doub
 /// diagonals of faces depend.
 class Elements {
  public:
-  Elements(ElementType type, int control_points, Random& random)
+  enum class Order { own, common };  ///< whether the orders of different elements differ
+
+  Elements(ElementType type, int control_points, Random& random, Order order = Order::own)
       : size_(static_cast<std::size_t>(vertex_count(type))),
-        topology_(make_mesh(type, random)),
+        topology_(make_mesh(type, random, order)),
         motion_(topology_.mesh().vertex_count(), control_points) {}
 
   const MovingElement& element(Index o) const { return elements_[o]; }
@@ -85,13 +87,17 @@ class Elements {
   }
 
  private:
-  Mesh make_mesh(ElementType type, Random& random) {
+  Mesh make_mesh(ElementType type, Random& random, Order order) {
     Mesh mesh;
     mesh.add_vertices(static_cast<Index>(kElements * size_));
     for (Index o = 0; o < kElements; ++o) {
+      const auto first = static_cast<Index>(o * size_);
       vertices_[o].resize(size_);
-      std::iota(vertices_[o].begin(), vertices_[o].end(), static_cast<Index>(o * size_));
-      random.shuffle(vertices_[o]);
+      std::iota(vertices_[o].begin(), vertices_[o].end(), first);
+      if (o == 0 || order == Order::own)
+        random.shuffle(vertices_[o]);
+      else
+        std::ranges::transform(vertices_[0], vertices_[o].begin(), [&](Index v) { return first + v; });
       ElementSpec element;
       element.type = type;
       element.id = o;
@@ -370,6 +376,103 @@ TEST(ConeSigns, AndVolumesOfSliversAreNotDecidedByRounding) {
     }
   });
   EXPECT_GT(doubtful, 1000);
+}
+
+/// A pyramid over a unit square of which one edge, `edge`, was shortened to `length`.
+MovingElement pyramid_with_short_edge(int control_points, std::size_t edge, double length, Random& random) {
+  std::vector<Vec3> at = plain_shape(ElementType::pyramid);
+  for (std::size_t i = 0; i < 5; ++i) at[i] += 0.03 * random_vector(random);
+  const std::size_t next = (edge + 1) % 4;
+  at[next] = at[edge] + length * (at[next] - at[edge]).normalized();
+  return moving(at, control_points, 0, 0);
+}
+
+// A displacement of the short edge turns over the tetrahedra at it, whose other edges are long. A bound without the
+// product of the latter would be too small. All elements have the same diagonal, because the less sharp of two bounds
+// decides only if it does so for all vector lanes.
+TEST(ConeSigns, OfElementsWithAShortEdgeAreCertain) {
+  constexpr double kSeparation = 0.001;
+  constexpr unsigned kApex = 1u << 4;
+  int certain = 0, doubtful = 0;
+  for (const int control_points : {2, 3})
+    for (std::uint64_t seed = 1; seed <= 8; ++seed)
+      for (std::size_t edge = 0; edge < 4; ++edge)
+        for (const double length : {0.5, 0.8, 1.2, 3.0}) {
+          Random random(seed);
+          Elements elements(ElementType::pyramid, control_points, random, Elements::Order::common);
+          for (Index o = 0; o < kElements; ++o)
+            elements.set(o, pyramid_with_short_edge(control_points, edge, length * kSeparation, random));
+          expect_true(elements, kSeparation);
+          const std::array<unsigned, kElements> bits = elements.cones(kSeparation);
+          for (Index o = 0; o < kElements; ++o) {
+            certain += (bits[o] & kApex) != 0 ? 1 : 0;
+            doubtful += elements.cone_stays_positive(o, 4, kSeparation) ? 0 : 1;
+          }
+        }
+  EXPECT_GT(certain, 300);
+  EXPECT_GT(doubtful, 300);
+}
+
+/// Three corners of the base of a pyramid, and its apex, as given; the fourth corner is far below them. Of the
+/// tetrahedra of its cones, the one of the four points may be flat, while the others have large volumes. Pre: the
+/// points follow each other, seen from above, around a convex quad.
+std::vector<Vec3> pyramid_below(const std::array<Vec3, 4>& points, double depth, Random& random) {
+  const Vec3 middle = 0.25 * (points[0] + points[1] + points[2] + points[3]);
+  const Vec3 up = (points[2] - points[0]).cross(points[3] - points[1]).normalized();
+  return {points[0], points[1], points[2], middle - depth * up + 0.1 * depth * random_vector(random), points[3]};
+}
+
+// All four faces of the flat tetrahedron are as large as a triangle in the box of the element can be, and its opposite
+// edges approach each other.
+TEST(ConeSigns, OfPyramidsWithLargeFlatFacesAreCertain) {
+  constexpr double kThickness = 0x1p-8;
+  int certain = 0, doubtful = 0;
+  for (const int control_points : {2, 3})
+    for (int round = 0; round <= 40; ++round) {
+      const double amount = 0.02 * round;  // of the thickness; they meet at 0.5
+      Random random(static_cast<std::uint64_t>(round));
+      Elements elements(ElementType::pyramid, control_points, random);
+      for (Index o = 0; o < kElements; ++o) {
+        const double h = kThickness * random.uniform(0.1, 1);
+        const std::vector<Vec3> at =
+            pyramid_below({Vec3(0, 0, 0), Vec3(1, 0, h), Vec3(1, 1, 0), Vec3(0, 1, h)}, 8 * h, random);
+        MovingElement element;
+        for (std::size_t i = 0; i < 5; ++i) {
+          const double way = i == 3 ? 0 : (at[i].z() > 0 ? -amount : amount) * h;
+          element.emplace_back();
+          for (int c = 0; c < control_points; ++c)
+            element.back().push_back(at[i] + Vec3(0, 0, way * (2.0 * c / (control_points - 1) - 1)));
+        }
+        elements.set(o, element);
+        doubtful += elements.cone_stays_positive(o, 0, 0) ? 0 : 1;
+      }
+      expect_true(elements, 0);
+      for (const unsigned bits : elements.cones(0)) certain += bits == elements.all_bits() ? 1 : 0;
+    }
+  EXPECT_GT(certain, 300);
+  EXPECT_GT(doubtful, 200);
+}
+
+// Resting pyramids of which one tetrahedron has a volume about as large as its rounding errors.
+TEST(ConeSigns, OfPyramidsWithASliverAreNotDecidedByRounding) {
+  int certain = 0, doubtful = 0;
+  for (const int control_points : {2, 3})
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      Random random(seed);
+      Elements elements(ElementType::pyramid, control_points, random);
+      for (Index o = 0; o < kElements; ++o) {
+        const Vec3 u = random_vector(random), w = random_vector(random), place = random_vector(random);
+        std::array<Vec3, 4> flat{place, place + u, place + u + w, place + w};
+        const double size = o == 0 ? 0x1p-20 : 0x1p-53;  // the first one has a volume whose sign is certain
+        for (Vec3& p : flat) p += size * random_vector(random);
+        elements.set(o, moving(pyramid_below(flat, 1, random), control_points, 0, 0));
+        doubtful += elements.cone_stays_positive(o, 0, 0) ? 0 : 1;
+      }
+      expect_true(elements, 0);
+      for (const unsigned bits : elements.cones(0)) certain += bits == elements.all_bits() ? 1 : 0;
+    }
+  EXPECT_GT(certain, 20);
+  EXPECT_GT(doubtful, 200);
 }
 
 }  // namespace
