@@ -360,6 +360,26 @@ TEST(BoundaryFlood, GivesUpWithoutLosingAnything) {
   EXPECT_GT(contacts, 0u);
 }
 
+/// Two bodies, one deep inside the other, whose contacts are all far from the boundary of the outer one: no pair that
+/// was examined before the flood gives up has one.
+TEST(BoundaryFlood, GivesUpInABodyInsideAnother) {
+  PipelineSpec spec = spec_of("boundary-flood");
+  spec.flood->options["max_pairs"] = "0";
+  Shape both = block(ElementType::tetrahedron, 5, 5, 5), inside = block(ElementType::tetrahedron, 2, 2, 2);
+  const std::size_t outside = both.positions.size();
+  for (Vec3& p : inside.positions) p = 0.9 * p + Vec3(1.27, 1.41, 1.63);
+  both.append(inside, 2);
+  std::vector<Vec3> end = both.positions;
+  for (std::size_t v = outside; v < end.size(); ++v) end[v] += Vec3(0.21, 0.33, 0.12);
+  const Topology topology(both.mesh());
+  const Motion motion = Motion::linear(both.positions, end);
+  const Step step{topology, motion, kNoFilter};
+  Contest contest(spec);
+  EXPECT_GT(contest.compare(step, "inside"), 20u);
+  contest.compare(step, "inside, with overlaps", {.initial_overlaps = true});
+  EXPECT_GT(contest.initial_overlaps(), 20u);
+}
+
 /// Has no blocks, as a broad phase that makes them of the pairs that it has found, if there are none.
 class NoBlocks final : public BroadPhase {
  public:
