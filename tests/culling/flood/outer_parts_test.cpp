@@ -79,6 +79,32 @@ TEST(OuterParts, FollowEditsAndMotions) {
   }
 }
 
+/// One object for two topologies in turn: a body in which a vertex is pulled through its star, and a larger one at
+/// rest, which has no marked vertices.
+TEST(OuterParts, HaveNoMarksOfAnotherTopology) {
+  const Shape small = block(ElementType::tetrahedron, 4, 4, 4), large = block(ElementType::tetrahedron, 5, 5, 5);
+  std::vector<Vec3> pulled = small.positions;
+  for (Vec3& p : pulled)
+    if (p == Vec3(2, 2, 2)) p += Vec3(1.6, 0, 0);
+  const Topology first(small.mesh()), second(large.mesh());
+  const Motion pull = Motion::linear(small.positions, pulled), rest = Motion::linear(large.positions, large.positions);
+  const ObjectFilter everything;
+  SerialExecutor serial;
+  VertexStars kept_stars;
+  OuterParts kept;
+  for (const Step& step : {Step{first, pull, everything}, Step{second, rest, everything}}) {
+    VertexStars stars;
+    OuterParts fresh;
+    stars.update(step, serial);
+    fresh.update(step, stars, serial);
+    kept_stars.update(step, serial);
+    kept.update(step, kept_stars, serial);
+    EXPECT_EQ(kept_stars.suspects().empty(), &step.topology == &second);
+    EXPECT_EQ(parts_of(step, kept), parts_of(step, fresh));
+    EXPECT_EQ(kept.chosen_vertices(), fresh.chosen_vertices());
+  }
+}
+
 /// An edit replaces an element in its slot by one with the same vertices that belongs to another object.
 TEST(OuterParts, HaveTheObjectsOfTheirElements) {
   const Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
