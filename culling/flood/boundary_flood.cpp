@@ -239,9 +239,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
                           .separation = step.separation,
                           .t_max = step.t_max,
                           .range = PairRange::nonadjacent});
-  // An edit changes which outer parts are next to each other, also if no part changes, as when an element is replaced
-  // in its slot.
-  if (state.stars.update(*state.step, executor) != TopologyDelta::Extent::none) state.neighbours_version = 0;
+  state.stars.update(*state.step, executor);
   state.counters.simplices = topology.mesh().element_count();
   state.counters.suspect_vertices = state.stars.suspects().size();
   if (static_cast<double>(state.counters.suspect_vertices) >

@@ -163,7 +163,7 @@ bool VertexStars::examine_star(const Step& step, Index v, Ring& scratch) {
   return known_[v] != 0;
 }
 
-TopologyDelta::Extent VertexStars::update(const Step& step, Executor& executor) {
+void VertexStars::update(const Step& step, Executor& executor) {
   TopologyDelta::Extent changed = table_.update(step.topology, executor);
   // An update that was interrupted leaves nothing to the next one.
   if (!std::exchange(complete_, false)) changed = TopologyDelta::Extent::everything;
@@ -184,7 +184,6 @@ TopologyDelta::Extent VertexStars::update(const Step& step, Executor& executor) 
   for (Index v = 0; v < suspect_.size(); ++v)
     if (suspect_[v] != 0) suspects_.push_back(v);
   complete_ = true;
-  return changed;
 }
 
 }  // namespace volccd::detail

@@ -26,9 +26,8 @@ namespace volccd::detail {
 /// between them. Not thread-safe; uses the executor.
 class VertexStars {
  public:
-  /// Classifies the stars of the step's topology. O(elements). Returns the extent of the topology's change since the
-  /// last update; `everything` after one that was interrupted by an exception.
-  TopologyDelta::Extent update(const Step& step, Executor& executor);
+  /// Classifies the stars of the step's topology. O(elements).
+  void update(const Step& step, Executor& executor);
 
   /// Whether the star of v is not clear.
   bool suspect(Index v) const { return suspect_[v] != 0; }

@@ -185,7 +185,7 @@ TEST(FloodClauses, PartsThatAnEditSeparates) {
 }
 
 /// Of two tetrahedra inside a body, an edit replaces the second one by one with other vertices, in the same slot, which
-/// has a vertex in common with the first. All parts of elements remain the same: both are outer as wholes.
+/// has a vertex in common with the first. Both are outer as wholes, so that of the parts only the vertices change.
 TEST(FloodClauses, AnElementReplacedInItsSlot) {
   Shape both = block(ElementType::tetrahedron, 6, 4, 4);
   const auto first = static_cast<Index>(both.positions.size());

@@ -26,10 +26,11 @@ struct OuterNeighbour {
 
 /// The outer parts next to given ones: at a vertex with a ring that has faces alone, those with a common edge; at any
 /// other vertex, all others. A path through outer parts that are next to each other exists wherever one exists through
-/// parts with common vertices, because it can go around a vertex with a ring. Not thread-safe.
+/// parts with common vertices, because it can go around a vertex with a ring. This is determined by the parts alone,
+/// whatever an edit changes elsewhere (docs/boundary_flood.md). Not thread-safe.
 class OuterNeighbours {
  public:
-  /// Forgets what was found; for another topology, or other parts.
+  /// Forgets what was found; for other parts.
   void clear(Index slots) {
     ranges_.assign(slots, {kNone, 0});
     list_.clear();
