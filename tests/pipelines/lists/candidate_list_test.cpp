@@ -418,5 +418,31 @@ TEST(CandidateList, HasTestsOfElementsThatComeBack) {
   EXPECT_GT(whole, part);
 }
 
+/// All elements belong to one object, so that a filter asks for no contact, until an edit changes that of an inner one:
+/// all its features have other elements, too, and are neither removed nor added.
+TEST(CandidateList, HasTestsOfAnInnerElementThatChangesItsObject) {
+  const Shape shape = block(ElementType::tetrahedron, 3, 3, 3);
+  Topology topology(shape.mesh());
+  const Motion rest = Motion::linear(shape.positions, shape.positions);
+  const auto runner = [&](const ListConfig& lists) {
+    return StepRunner(Pipeline(registry(), registry().pipeline("VolCCD+")),
+                      {.separation = 0.75, .filter = ObjectFilter(PairScope::inter), .lists = lists});
+  };
+  StepRunner fresh = runner({}), listed = runner({ListConfig::Use::always, 0.05, 0});
+  EXPECT_TRUE(listed.run(topology, rest).contacts.empty());
+  Index inner = 0;
+  const auto is_inner = [&](Index o) {
+    return std::ranges::all_of(topology.features().element_triangles(o),
+                               [&](Index f) { return topology.features().triangle_elements(f).size() == 2; });
+  };
+  while (!is_inner(inner)) ++inner;
+  ElementSpec changed = topology.mesh().spec(inner);
+  changed.object = 2;
+  EXPECT_TRUE(topology.apply({{inner}, {}, {changed}}).features.added_vertices.empty());
+  expect_equal(fresh.run(topology, rest), listed.run(topology, rest), "changed");
+  EXPECT_GT(listed.result().contacts.size(), 0u);
+  EXPECT_EQ(listed.result().statistics.refreshed_steps, 1u);
+}
+
 }  // namespace
 }  // namespace volccd::test
