@@ -43,8 +43,10 @@ struct Found {
 /// What a runner did in the substeps of one motion.
 struct Run {
   Statistics total;
-  double making_seconds = 0;  ///< part of total.list_seconds: to make lists, without comparing motions with them
-  std::vector<Found> found;   ///< by substep
+  /// Parts of total.list_seconds: in substeps that make a list, and in those that refresh one. The rest is to compare
+  /// motions with lists.
+  double making_seconds = 0, refreshing_seconds = 0;
+  std::vector<Found> found;  ///< by substep
 
   double per_substep(double sum) const { return sum / static_cast<double>(found.size()); }
 };
@@ -112,6 +114,7 @@ class SubstepComparison {
       const StepResult& step = runner.run(stepper.topology(), part_, request);
       result.total += step.statistics;
       if (step.statistics.list_steps > 0) result.making_seconds += step.statistics.list_seconds;
+      if (step.statistics.refreshed_steps > 0) result.refreshing_seconds += step.statistics.list_seconds;
       result.found.push_back(
           {step.contacts.size() + step.left_out.size(), contacts_hash(step.contacts) + contacts_hash(step.left_out)});
     }
@@ -134,9 +137,12 @@ class SubstepComparison {
     return {{"fresh_s", fresh.per_substep(fresh.total.seconds)},
             {"list_s", with_lists.per_substep(total.seconds)},
             {"making_s", with_lists.per_substep(with_lists.making_seconds)},
-            {"comparing_s", with_lists.per_substep(total.list_seconds - with_lists.making_seconds)},
+            {"refreshing_s", with_lists.per_substep(with_lists.refreshing_seconds)},
+            {"comparing_s",
+             with_lists.per_substep(total.list_seconds - with_lists.making_seconds - with_lists.refreshing_seconds)},
             {"fresh_substeps", fresh.found.size()},
             {"reused_steps", total.reused_steps},
+            {"refreshed_steps", total.refreshed_steps},
             {"list_steps", total.list_steps},
             {"list_tests", total.list_tests},
             {"contacts", with_lists.per_substep(static_cast<double>(total.contacts))}};
@@ -184,9 +190,11 @@ struct Group {
   double mean(const char* column) const { return rows.sum(column) / static_cast<double>(rows.steps()); }
   /// In all substeps.
   double share(const char* column) const { return mean(column) / substeps.get<double>(); }
-  double fresh_share() const { return std::max(0.0, 1 - share("reused_steps") - share("list_steps")); }
+  double listed_share() const { return share("reused_steps") + share("refreshed_steps") + share("list_steps"); }
+  double fresh_share() const { return std::max(0.0, 1 - listed_share()); }
+  /// Mean over the substeps that have a list.
   double list_tests() const {
-    return rows.sum("list_tests") / std::max(1.0, rows.sum("reused_steps") + rows.sum("list_steps"));
+    return listed_share() > 0 ? mean("list_tests") / (listed_share() * substeps.get<double>()) : 0;
   }
 };
 
@@ -238,26 +246,30 @@ TitledTable time_table(const std::vector<Group>& groups) {
 }
 
 TitledTable use_table(const std::vector<Group>& groups) {
-  const TextTable table = table_of(
-      groups,
-      {"contacts", "reused", "made", "fresh", "tests", "lists", "making, ms", "comparing, ms", "memory", "with lists"},
-      [](const Group& group) {
-        return std::vector{whole_number(group.mean("contacts")),
-                           percent_text(group.share("reused_steps")),
-                           percent_text(group.share("list_steps")),
-                           percent_text(group.fresh_share()),
-                           whole_number(group.list_tests()),
-                           number(group.mean("list_steps")),
-                           number(group.ms("making_s").median),
-                           number(group.ms("comparing_s").median),
-                           memory(static_cast<std::size_t>(group.rows.median("fresh_bytes"))),
-                           memory(static_cast<std::size_t>(group.rows.median("list_bytes")))};
-      });
+  const TextTable table =
+      table_of(groups,
+               {"contacts", "reused", "refreshed", "made", "fresh", "tests", "lists", "making, ms", "refreshing, ms",
+                "comparing, ms", "memory", "with lists"},
+               [](const Group& group) {
+                 return std::vector{whole_number(group.mean("contacts")),
+                                    percent_text(group.share("reused_steps")),
+                                    percent_text(group.share("refreshed_steps")),
+                                    percent_text(group.share("list_steps")),
+                                    percent_text(group.fresh_share()),
+                                    whole_number(group.list_tests()),
+                                    number(group.mean("list_steps")),
+                                    number(group.ms("making_s").median),
+                                    number(group.ms("refreshing_s").median),
+                                    number(group.ms("comparing_s").median),
+                                    memory(static_cast<std::size_t>(group.rows.median("fresh_bytes"))),
+                                    memory(static_cast<std::size_t>(group.rows.median("list_bytes")))};
+               });
   return {
       "What the lists were used for", table,
-      "contacts: of a substep; reused, made, fresh: substeps that used a list of an earlier one, made a list, ran "
-      "without; tests: in a list, mean over the substeps that have one; lists: made in a motion; making, comparing: "
-      "of lists, of motions with them, a substep; memory: of the workspaces\n"};
+      "contacts: of a substep; reused, refreshed, made, fresh: substeps that used a list of an earlier one as it was, "
+      "refreshed one, made one, ran without; tests: in a list, mean over the substeps that have one; lists: made in "
+      "a motion; making, refreshing, comparing: time of lists in substeps that made one, that refreshed one, and in "
+      "the others; memory: of the workspaces\n"};
 }
 
 /// Adds KEY, KEY_min and KEY_max.
@@ -310,11 +322,13 @@ json substeps_summary(const json& record) {
                    {"separation", group.rows.front().at("separation")},
                    {"contacts", group.mean("contacts")},
                    {"reused_share", group.share("reused_steps")},
+                   {"refreshed_share", group.share("refreshed_steps")},
                    {"list_share", group.share("list_steps")},
                    {"fresh_share", group.fresh_share()},
                    {"list_tests", group.list_tests()},
                    {"lists", group.mean("list_steps")},
                    {"making_ms", group.ms("making_s").median},
+                   {"refreshing_ms", group.ms("refreshing_s").median},
                    {"comparing_ms", group.ms("comparing_s").median},
                    {"fresh_bytes", group.rows.median("fresh_bytes")},
                    {"list_bytes", group.rows.median("list_bytes")}};
