@@ -11,6 +11,13 @@
 
 namespace volccd {
 
+namespace {
+
+/// From this part of its prediction on, a list may soon be used up.
+constexpr double kNearEnd = 0.7;
+
+}  // namespace
+
 StepRunner::StepRunner(Pipeline pipeline, RunConfig config)
     : pipeline_(std::move(pipeline)),
       workspace_(pipeline_.make_workspace()),
@@ -39,79 +46,79 @@ const StepResult& StepRunner::run(const Topology& topology, const Motion& motion
     pipeline_.run(step, workspace_, *executor_, result_, request);
     return result_;
   }
+  double list_seconds = 0;
   try {
-    if (!reuse_list(step, request) && !make_list(step, request)) run_fresh(step, request);
+    if (!reuse_list(step, request, list_seconds) && !make_list(step, request, list_seconds)) {
+      pipeline_.run(step, workspace_, *executor_, result_, request);
+      policy_.record_fresh(result_.statistics.seconds);
+    }
   } catch (...) {
     list_.clear();
     sample_.forget();
     throw;
   }
+  result_.statistics.list_seconds = list_seconds;
+  result_.statistics.seconds += list_seconds;
   return result_;
 }
 
-/// Runs the tests of the list, if it contains all contacts of the step.
-bool StepRunner::reuse_list(const Step& step, const Request& request) {
+/// Runs the tests of the list, if it contains all contacts of the step. Adds the time that the list takes.
+bool StepRunner::reuse_list(const Step& step, const Request& request, double& list_seconds) {
   if (list_.empty()) return false;
-  double seconds = 0;
   bool covered = false;
   {
     StageClock clock;
-    const StageTimer timer(clock, seconds);
+    const StageTimer timer(clock, list_seconds);
     covered = list_.covers(pipeline_, step, *executor_);
   }
   if (!covered) {
-    policy_.record_end(distance_, list_.reached() < 1 ? list_.distance() : 0);
+    policy_.record_end(distance_, list_.reached() < 1 ? list_.distance() : 0, list_seconds);
     return false;
   }
   distance_ = std::max(distance_, list_.distance());
-  run_tests(step, request, seconds);
+  if (list_.reached() > kNearEnd) sample_.compare(step);  // the next list can follow without a fresh step
+  run_tests(step, request, list_seconds);
   const bool refreshed = list_.refreshed() > std::exchange(refreshed_, list_.refreshed());
   ++(refreshed ? result_.statistics.refreshed_steps : result_.statistics.reused_steps);
   return true;
 }
 
-/// Makes a list and runs its tests, if a list is wanted and possible.
-bool StepRunner::make_list(const Step& step, const Request& request) {
+/// Makes a list and runs its tests, if a list is wanted and possible. Adds the time that the list takes.
+bool StepRunner::make_list(const Step& step, const Request& request, double& list_seconds) {
   std::optional<ListPolicy::Plan> plan = ListPolicy::Plan{lists_.steps, lists_.budget};
   if (lists_.use == ListConfig::Use::automatic)
     plan = policy_.has_credit() ? policy_.plan(sample_.compare(step)) : std::nullopt;
   if (!plan) return false;
-  double seconds = 0;
+  double build = 0;
   bool made = false;
   {
     StageClock clock;
-    const StageTimer timer(clock, seconds);
+    const StageTimer timer(clock, build);
     made = list_.build(pipeline_, step, workspace_, *executor_, plan->steps, plan->budget);
   }
+  list_seconds += build;
+  policy_.record_list(build);
   if (!made) return false;
   distance_ = 0;
   refreshed_ = 0;
-  policy_.record_list(seconds);
-  run_tests(step, request, seconds);
+  run_tests(step, request, 0);
   ++result_.statistics.list_steps;
   return true;
 }
 
-/// `seconds`: the time that was spent on the list in this step.
-void StepRunner::run_tests(const Step& step, Request request, double seconds) {
+/// `list_seconds`: the time that the list took in this step, besides making it.
+void StepRunner::run_tests(const Step& step, Request request, double list_seconds) {
   request.tests = &list_.tests();
   pipeline_.run(step, workspace_, *executor_, result_, request);
   Statistics& statistics = result_.statistics;
   statistics.list_tests = list_.tests().size();
-  statistics.list_seconds = seconds;
-  const double found = static_cast<double>(statistics.contacts + statistics.left_out);
-  policy_.record_use(statistics.seconds,
-                     1 - found / static_cast<double>(std::max<std::uint64_t>(1, statistics.list_tests)));
-  statistics.seconds += seconds;
+  const auto tests = static_cast<double>(std::max<std::uint64_t>(1, statistics.list_tests));
+  const auto found = static_cast<double>(statistics.contacts + statistics.left_out);
+  policy_.record_use(list_seconds + statistics.seconds, 1 - found / tests);
   if (lists_.use == ListConfig::Use::automatic && !policy_.is_worthwhile()) {
-    policy_.record_end(distance_, 0);
+    policy_.record_end(distance_, 0, 0);
     list_.clear();
   }
-}
-
-void StepRunner::run_fresh(const Step& step, const Request& request) {
-  pipeline_.run(step, workspace_, *executor_, result_, request);
-  policy_.record_fresh(result_.statistics.seconds);
 }
 
 StepResult StepRunner::take_result() { return std::exchange(result_, {}); }

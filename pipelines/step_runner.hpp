@@ -56,10 +56,9 @@ class StepRunner {
   std::size_t workspace_bytes() const { return workspace_.bytes() + list_.bytes() + sample_.bytes(); }
 
  private:
-  bool reuse_list(const Step& step, const Request& request);
-  bool make_list(const Step& step, const Request& request);
-  void run_tests(const Step& step, Request request, double seconds);
-  void run_fresh(const Step& step, const Request& request);
+  bool reuse_list(const Step& step, const Request& request, double& list_seconds);
+  bool make_list(const Step& step, const Request& request, double& list_seconds);
+  void run_tests(const Step& step, Request request, double list_seconds);
 
   Pipeline pipeline_;
   Workspace workspace_;

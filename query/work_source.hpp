@@ -1,6 +1,7 @@
 // Sources of work: stages that hand out element pairs and tests, block by block.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -15,6 +16,17 @@ struct TestBatch {
   std::vector<FeaturePair> vf, ee;
 
   std::size_t size() const { return vf.size() + ee.size(); }
+  /// Appends the tests begin .. end - 1 of another batch, where the EE tests follow the VF tests.
+  void append(const TestBatch& other, std::size_t begin, std::size_t end) {
+    const auto part = [&](const std::vector<FeaturePair>& from, std::size_t first, std::vector<FeaturePair>& to) {
+      const auto at = [&](std::size_t i) {
+        return from.begin() + static_cast<std::ptrdiff_t>(std::clamp(i, first, first + from.size()) - first);
+      };
+      to.insert(to.end(), at(begin), at(end));
+    };
+    part(other.vf, 0, vf);
+    part(other.ee, other.vf.size(), ee);
+  }
   void clear() {
     vf.clear();
     ee.clear();

@@ -89,17 +89,10 @@ class Pipeline::Run {
 
   /// Performs the tests of the request.
   void run_given_tests() {
-    const TestBatch& given = *request_.tests;
-    const auto run = [&](const std::vector<FeaturePair>& tests, std::vector<FeaturePair> TestBatch::*list) {
-      executor_.parallel_for(tests.size(), kTests, [&](std::size_t begin, std::size_t end, unsigned w) {
-        const auto part = std::span(tests).subspan(begin, end - begin);
-        std::vector<FeaturePair>& own = scratch(w).work.tests.*list;
-        own.insert(own.end(), part.begin(), part.end());
-        run_tests(w);
-      });
-    };
-    run(given.vf, &TestBatch::vf);
-    run(given.ee, &TestBatch::ee);
+    executor_.parallel_for(request_.tests->size(), kTests, [&](std::size_t begin, std::size_t end, unsigned w) {
+      scratch(w).work.tests.append(*request_.tests, begin, end);
+      run_tests(w);
+    });
   }
 
   Round next_round(const Source& source, std::size_t number) {
@@ -237,8 +230,7 @@ class Pipeline::Run {
     pipeline_.stages_[stage]->prepare(step, state(stage), executor_);
   }
 
-  /// Whether a stage works in this step: a flood stands in place of the other sources, given tests in place of all
-  /// stages that find tests.
+  /// Whether a stage works in this step: a flood replaces the other sources, given tests all stages that find tests.
   bool works(std::size_t stage) const {
     if (request_.tests) return stage >= first_filter();
     const Stage* const one = pipeline_.stages_[stage];
@@ -250,11 +242,9 @@ class Pipeline::Run {
     for (std::size_t i = 0; i < pipeline_.stages_.size(); ++i)
       if (works(i)) pipeline_.stages_[i]->append_counters(state(i), statistics(0, i).counters);
     data_.merger.merge(data_.workers, executor_, result);
-    if (request_.candidates) data_.merger.merge_collected(data_.workers, *request_.candidates);
+    if (request_.candidates) detail::ResultMerger::merge_collected(data_.workers, *request_.candidates);
     if (request_.query == Query::first) detail::keep_earliest(result.contacts);
-    detail::complete(result, step_.topology);
-    result.ends.clear();
-    if (request_.ends) detail::find_ends(result, step_.motion, executor_);
+    detail::complete(result, step_, request_.ends, executor_);
   }
 
   template <class Body>

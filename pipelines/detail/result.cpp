@@ -29,6 +29,17 @@ void complete(Contact& contact, const Topology& topology) {
       element_of_smallest_id(topology.mesh(), vf ? features.triangle_elements(b) : features.edge_elements(b))};
 }
 
+/// Sets StepResult::ends to the contacts at the end of the step.
+void find_ends(StepResult& result, const Motion& motion, Executor& executor) {
+  result.ends.resize(result.contacts.size());
+  executor.parallel_for(result.contacts.size(), 256, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Contact& contact = result.contacts[i];
+      result.ends[i] = contact_end(contact.kind, test_points(motion, contact.vertices), motion.control_points());
+    }
+  });
+}
+
 }  // namespace
 
 void ResultMerger::merge(std::span<const std::unique_ptr<WorkerScratch>> workers, Executor& executor,
@@ -68,20 +79,12 @@ void keep_earliest(std::vector<Contact>& contacts) {
   contacts = {*earliest};
 }
 
-void find_ends(StepResult& result, const Motion& motion, Executor& executor) {
-  result.ends.resize(result.contacts.size());
-  executor.parallel_for(result.contacts.size(), 256, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Contact& contact = result.contacts[i];
-      result.ends[i] = contact_end(contact.kind, test_points(motion, contact.vertices), motion.control_points());
-    }
-  });
-}
-
-void complete(StepResult& result, const Topology& topology) {
+void complete(StepResult& result, const Step& step, bool ends, Executor& executor) {
   Statistics& statistics = result.statistics;
+  result.ends.clear();
+  if (ends) find_ends(result, step.motion, executor);
   for (std::vector<Contact>* list : {&result.contacts, &result.left_out})
-    for (Contact& contact : *list) complete(contact, topology);
+    for (Contact& contact : *list) complete(contact, step.topology);
   for (const Contact& contact : result.contacts) {
     statistics.earliest_toi = std::min(statistics.earliest_toi, contact.toi);
     statistics.contacts_at_start += contact.at_start ? 1 : 0;

@@ -30,10 +30,7 @@ class ResultMerger {
 /// Leaves the earliest contact alone, among those of one time the first in canonical order.
 void keep_earliest(std::vector<Contact>& contacts);
 
-/// Sets StepResult::ends to the contacts at the end of the step.
-void find_ends(StepResult& result, const Motion& motion, Executor& executor);
-
-/// Sets the order of Contact::features and Contact::elements, and the counts of contacts.
-void complete(StepResult& result, const Topology& topology);
+/// Sets the order of Contact::features, Contact::elements, StepResult::ends if wanted, and the counts of contacts.
+void complete(StepResult& result, const Step& step, bool ends, Executor& executor);
 
 }  // namespace volccd::detail

@@ -45,7 +45,8 @@ void ListPolicy::record_use(double seconds, double waste) {
 /// Single times are too uncertain to give up a list for them.
 bool ListPolicy::is_worthwhile() const { return used_ < (uses_ < 4 ? 2 : 0.95) * uses_ * fresh_; }
 
-void ListPolicy::record_end(double covered, double missed) {
+void ListPolicy::record_end(double covered, double missed, double seconds) {
+  credit_ -= seconds / fresh_;
   const bool early = missed > 0 && uses_ < planned_steps_ / 2;
   if (early && missed < 4 * planned_budget_) ratio_ = std::min(2 * ratio_, 0.5);
   if (missed == 0 && covered < planned_budget_ / 4) ratio_ = std::max(ratio_ / 2, 1.0 / 256);

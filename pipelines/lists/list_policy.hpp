@@ -47,23 +47,24 @@ class ListPolicy {
   /// Whether steps with the present list take less time than fresh ones. If not, it is to be given up.
   bool is_worthwhile() const;
   /// The list is no longer used. `covered`: the largest distance of a step that it covered from its prediction;
-  /// `missed`: that of the step that it does not cover, 0 if its steps were used up.
-  void record_end(double covered, double missed);
+  /// `missed`: that of the step that it does not cover, 0 if its steps were used up; `seconds`: the time it took to see
+  /// this.
+  void record_end(double covered, double missed, double seconds);
 
   static constexpr double kMinSteps = 5;
 
  private:
-  static constexpr double kShare = 0.02;    ///< of the time of fresh steps, that lists may cost
-  static constexpr double kMaxCredit = 20;  ///< in times of a fresh step
-  static constexpr double kFirstCost = 3;   ///< of a list, before one was made, in times of a fresh step
+  static constexpr double kShare = 0.03;     ///< of the time of fresh steps, that lists may cost
+  static constexpr double kMaxCredit = 20;   ///< in times of a fresh step
+  static constexpr double kFirstCost = 1.5;  ///< of a list, before one was made, in times of a fresh step
   static constexpr double kMaxSteps = 4096;
 
   int fresh_steps_ = 0;
-  double fresh_ = 0;            ///< seconds of a fresh step; the first one, which builds tables, does not count
-  double credit_ = kFirstCost;  ///< in times of a fresh step
-  double cost_ = kFirstCost;    ///< of a list, in times of a fresh step
-  double reach_ = 0.25;         ///< way of the fastest vertex that a list is made for, in edges
-  double ratio_ = 1.0 / 64;     ///< part of the budget that is proportional to this way
+  double fresh_ = 0;          ///< seconds of a fresh step; the first one, which builds tables, does not count
+  double credit_ = 0;         ///< in times of a fresh step
+  double cost_ = kFirstCost;  ///< of a list, in times of a fresh step
+  double reach_ = 0.125;      ///< way of the fastest vertex that a list is made for, in edges
+  double ratio_ = 1.0 / 64;   ///< part of the budget that is proportional to this way
   // of the present list
   double build_ = 0, wasted_ = 0, used_ = 0;  ///< seconds
   double planned_steps_ = 0, planned_budget_ = 0;

@@ -29,7 +29,7 @@ struct Solver {
       --left;
       return used(policy);
     }
-    if (listed) policy.record_end(0, 1), listed = false;
+    if (listed) policy.record_end(0, 1, 0.01), listed = false;
     if (!policy.has_credit() || !policy.plan(motion)) {
       policy.record_fresh(first ? 20 * fresh : fresh);
       return first ? 0 : fresh;
@@ -42,7 +42,7 @@ struct Solver {
 
   double used(ListPolicy& policy) {
     policy.record_use(use, waste);
-    if (!policy.is_worthwhile()) policy.record_end(0, 0), left = 0, listed = false;
+    if (!policy.is_worthwhile()) policy.record_end(0, 0, 0), left = 0, listed = false;
     return use;
   }
 
@@ -103,7 +103,7 @@ TEST(ListPolicy, BalancesTheCostOfListsAndOfTests) {
       const auto plan = policy.plan(motion);
       policy.record_list(list);
       for (double k = 0; k < plan->steps; ++k) policy.record_use(use, 1);
-      policy.record_end(0, 0);
+      policy.record_end(0, 0, 0);
     }
     return policy.plan(motion)->steps / before;
   };
@@ -120,7 +120,7 @@ TEST(ListPolicy, BudgetsFollowTheDistances) {
     const double before = policy.plan(steady)->budget;
     policy.record_list(1);
     policy.record_use(0.5, 1);
-    policy.record_end(covered_share * before, missed_share * before);
+    policy.record_end(covered_share * before, missed_share * before, 0);
     const auto after = policy.plan(steady);
     return after->budget / after->steps;
   };
