@@ -163,7 +163,7 @@ class SubstepComparison {
 struct Spread {
   double median, min, max;
 
-  std::string range(const char* unit = "") const { return fmt::format("{:.3g} to {:.3g}{}", min, max, unit); }
+  std::string range(const char* unit = "") const { return fmt::format("{:.3g}-{:.3g}{}", min, max, unit); }
 };
 
 /// The spread of a value that is computed from the rows of one round.
@@ -224,22 +224,15 @@ TextTable table_of(const std::vector<Group>& groups, std::vector<std::string> he
 }
 
 TitledTable time_table(const std::vector<Group>& groups) {
-  const TextTable table =
-      table_of(groups, {"run fresh", "fresh, ms", "range, ms", "lists, ms", "range, ms", "fresh / lists", "range"},
-               [](const Group& group) {
-                 const Spread fresh = group.ms("fresh_s"), lists = group.ms("list_s"), speedup = group.speedup();
-                 return std::vector{whole_number(group.mean("fresh_substeps")),
-                                    number(fresh.median),
-                                    fresh.range(),
-                                    number(lists.median),
-                                    lists.range(),
-                                    ratio_text(speedup.median),
-                                    speedup.range("x")};
-               });
+  const TextTable table = table_of(
+      groups, {"fresh, ms", "range, ms", "lists, ms", "range, ms", "fresh / lists", "range"}, [](const Group& group) {
+        const Spread fresh = group.ms("fresh_s"), lists = group.ms("list_s"), speedup = group.speedup();
+        return std::vector{number(fresh.median),       fresh.range(),     number(lists.median), lists.range(),
+                           ratio_text(speedup.median), speedup.range("x")};
+      });
   return {"Time of a substep of VolCCD+", table,
           fmt::format("fresh: without candidate lists; lists: with automatic ones, their cost included; means over the "
-                      "substeps of some motions; medians and ranges over rounds; run fresh: the first substeps of each "
-                      "motion that are run without lists, while all are run with lists; separation: {:g} of the mean "
+                      "substeps of some motions; medians and ranges over rounds; separation: {:g} of the mean "
                       "edge of the scene at its start; contacts of both are the same, compared in each substep that "
                       "both ran\n",
                       kSeparation)};
@@ -248,10 +241,11 @@ TitledTable time_table(const std::vector<Group>& groups) {
 TitledTable use_table(const std::vector<Group>& groups) {
   const TextTable table =
       table_of(groups,
-               {"contacts", "reused", "refreshed", "made", "fresh", "tests", "lists", "making, ms", "refreshing, ms",
-                "comparing, ms", "memory", "with lists"},
+               {"run fresh", "contacts", "reused", "refreshed", "made", "fresh", "tests", "lists", "making, ms",
+                "refreshing, ms", "comparing, ms", "memory", "with lists"},
                [](const Group& group) {
-                 return std::vector{whole_number(group.mean("contacts")),
+                 return std::vector{whole_number(group.mean("fresh_substeps")),
+                                    whole_number(group.mean("contacts")),
                                     percent_text(group.share("reused_steps")),
                                     percent_text(group.share("refreshed_steps")),
                                     percent_text(group.share("list_steps")),
@@ -266,6 +260,7 @@ TitledTable use_table(const std::vector<Group>& groups) {
                });
   return {
       "What the lists were used for", table,
+      "run fresh: the first substeps of each motion that are run without lists, while all are run with lists; "
       "contacts: of a substep; reused, refreshed, made, fresh: substeps that used a list of an earlier one as it was, "
       "refreshed one, made one, ran without; tests: in a list, mean over the substeps that have one; lists: made in "
       "a motion; making, refreshing, comparing: time of lists in substeps that made one, that refreshed one, and in "
