@@ -13,9 +13,8 @@ namespace volccd {
 using detail::WorkerScratch;
 
 /// A step has two sources of work, the broad phase and, if there is one, the orphan source; in the steps that a flood
-/// takes, it is the only source. Each worker passes what a source hands out through the other stages itself, so that no
-/// list of all pairs or all tests is ever stored. Counts are kept per worker and added at the end, and contacts are
-/// sorted into canonical order; both are independent of the number of workers.
+/// takes, it is the only source. Each worker passes what a source hands out through the other stages itself. Counts are
+/// kept per worker and added at the end, and contacts are sorted; both are independent of the number of workers.
 class Pipeline::Run {
  public:
   Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor, const Request& request)
