@@ -53,7 +53,6 @@ bool LocalCandidates::find(const Pipeline& pipeline, const Step& step, std::span
   pipeline.run({.topology = topology, .motion = motion, .filter = all, .separation = step.separation}, workspace,
                executor, result, {.count_adjacent = false, .candidates = &found});
   append(step, topology.features(), found, vertices, tests);
-  for (const Index v : vertices_) local_[v] = kNone;
   return true;
 }
 
@@ -80,6 +79,7 @@ void LocalCandidates::find_near(const Step& step) {
 }
 
 void LocalCandidates::number_vertices(const Mesh& mesh) {
+  for (const Index v : vertices_) local_[v] = kNone;
   vertices_.clear();
   for (const Index o : near_) vertices_.insert(vertices_.end(), mesh.vertices(o).begin(), mesh.vertices(o).end());
   sort_unique(vertices_);

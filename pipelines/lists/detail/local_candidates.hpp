@@ -38,7 +38,7 @@ class LocalCandidates {
               TestBatch& tests) const;
 
   std::vector<Index> own_, near_;  ///< slots of elements: at the vertices; those and the ones near them
-  std::vector<Index> local_;       ///< by vertex: its slot in the part, kNone between calls
+  std::vector<Index> local_;       ///< by vertex: its slot in the part, or kNone
   std::vector<Index> vertices_;    ///< of the part: slots in the whole mesh, ascending
 };
 

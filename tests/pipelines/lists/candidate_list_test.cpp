@@ -216,6 +216,54 @@ TEST(CandidateLists, OfDetectorsFollowTheFilterAndTheThickness) {
   EXPECT_GT(reused, 60u);
 }
 
+/// Throws in the middle of some loops.
+class FailingExecutor final : public Executor {
+ public:
+  explicit FailingExecutor(std::uint64_t seed) : random_(seed) {}
+  unsigned workers() const override { return 1; }
+  void parallel_for(std::size_t n, std::size_t grain, Body body) override {
+    const bool fails = on && random_.below(60) == 0;
+    serial_executor().parallel_for(n, grain, [&](std::size_t begin, std::size_t end, unsigned worker) {
+      body(begin, end, worker);
+      if (fails) throw std::runtime_error("interrupted");
+    });
+  }
+  bool on = true;
+
+ private:
+  Random random_;
+};
+
+/// After an exception, wherever it came from, the next step is as any other.
+TEST(CandidateLists, SurviveInterruptions) {
+  std::uint64_t thrown = 0;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    const Shape shape = two_bodies(block(ElementType::tetrahedron, 2, 2, 1));
+    Topology topology(shape.mesh());
+    Course course(shape.positions, 0.01, seed);
+    Random random(seed);
+    std::vector<ElementSpec> out;
+    FailingExecutor executor(seed);
+    StepRunner fresh(Pipeline(registry(), registry().pipeline("VolCCD+")), {.separation = 0.02});
+    StepRunner listed(Pipeline(registry(), registry().pipeline("VolCCD+")),
+                      {.executor = &executor, .separation = 0.02, .lists = {ListConfig::Use::always, 0.03, 4}});
+    for (int k = 0; k < 30; ++k) {
+      if (k % 4 == 3) edit(topology, course, out, random);
+      const Motion motion = course.next(2);
+      executor.on = true;
+      try {
+        listed.run(topology, motion);
+      } catch (const std::runtime_error&) {
+        ++thrown;
+        executor.on = false;
+        listed.run(topology, motion);
+      }
+      expect_equal(fresh.run(topology, motion), listed.result(), "seed " + std::to_string(seed));
+    }
+  }
+  EXPECT_GT(thrown, 50u);
+}
+
 TEST(CandidateLists, AreRefusedWhereTheyWouldLoseContacts) {
   PipelineSpec spec = registry().pipeline("VolCCD");
   spec.narrow_phase = {"provot"};
