@@ -53,7 +53,7 @@ bool CandidateList::build(const Pipeline& pipeline, const Step& step, Workspace&
 bool CandidateList::covers(const Pipeline& pipeline, const Step& step, Executor& executor) {
   const bool valid = std::exchange(made_, false);  // there is no list if an exception is thrown
   made_ = valid && step.separation <= separation_ && follow_edits(step) &&
-          ((renewed_.empty() && is_near(step, executor)) || refresh(pipeline, step, executor));
+          (renewed_.empty() ? is_near(step, executor) : refresh(pipeline, step, executor));
   return made_;
 }
 
@@ -102,12 +102,10 @@ void CandidateList::add_changed_vertices(const Step& step, const TopologyChange&
   if (!step.filter.trivial()) add_all(changed.touched_vertices, changed.touched_edges, changed.touched_triangles);
 }
 
-/// Finds anew the tests of the vertices in renewed_, and of those that have used up more than half of their budget.
+/// Finds anew the tests of the vertices in renewed_.
 bool CandidateList::refresh(const Pipeline& pipeline, const Step& step, Executor& executor) {
   const auto at = prediction_.nearest(step.motion);
-  prediction_.find_far(step.motion, step.features(), at, budget_ / 2, kMaxRenewed, renewed_);
-  sort_unique(renewed_);
-  if (renewed_.empty() || renewed_.size() > kMaxRenewed) return false;
+  if (renewed_.size() > kMaxRenewed) return false;
   if (!prediction_.renew(step.motion, at, renewed_) || !is_near(step, executor)) return false;
   gone_.assign(step.motion.vertex_count(), 0);
   for (const Index v : renewed_) gone_[v] = 1;

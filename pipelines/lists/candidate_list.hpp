@@ -21,8 +21,8 @@ namespace volccd {
 /// to t, each of the two points is at most b from where it is under q. (docs/candidate_lists.md)
 ///
 /// The tests are those that all feature filters of the pipeline keep. Removed features leave the list. Vertices of
-/// added features, and those that have used up their budget, get new lines in P, and their tests are found anew, if
-/// they are few: the list is then *refreshed*. Not thread-safe.
+/// added features get new lines in P, and their tests are found anew, if they are few: the list is then *refreshed*.
+/// Not thread-safe.
 class CandidateList {
  public:
   /// Makes the list anew, by a run of the pipeline on the motion that goes on from that of the step for `steps` steps
@@ -35,7 +35,7 @@ class CandidateList {
 
   /// Whether the list contains all contacts of the step, after the edits of the topology since it was made; it may be
   /// refreshed for that. If not, there is no list afterwards. The step has the object filter of the list. O(vertices),
-  /// and O(elements + list) after edits and where it is refreshed. Throws as build().
+  /// and O(elements + list) after edits. Throws as build().
   bool covers(const Pipeline& pipeline, const Step& step, Executor& executor);
 
   /// s + 2 b, rounded up.

@@ -123,12 +123,4 @@ double PredictedMotion::distance(const Motion& motion, const Features& features,
   return std::max(std::sqrt(square), kMinDistance) * kLengthSlack + rounding_;
 }
 
-void PredictedMotion::find_far(const Motion& motion, const Features& features, Interval at, double limit,
-                               std::size_t max_count, std::vector<Index>& vertices) const {
-  const double times[3] = {at.begin, motion.control_points() == 2 ? at.end : 0.5 * (at.begin + at.end), at.end};
-  std::size_t found = 0;
-  for (Index v = 0; v < lines_.vertex_count() && found <= max_count; ++v)
-    if (!(square_distance(motion, v, times) <= limit * limit) && is_live(features, v)) vertices.push_back(v), ++found;
-}
-
 }  // namespace volccd::detail

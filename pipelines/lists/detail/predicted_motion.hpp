@@ -44,10 +44,6 @@ class PredictedMotion {
   /// large. Pre: the motion has the vertices of P.
   double distance(const Motion& motion, const Features& features, Interval at, Executor& executor);
 
-  /// Appends the vertices whose distance exceeds a limit, but for rounding; at most max_count + 1 of them.
-  void find_far(const Motion& motion, const Features& features, Interval at, double limit, std::size_t max_count,
-                std::vector<Index>& vertices) const;
-
   std::size_t bytes() const { return heap_bytes(lines_, sample_, speeds_, worst_); }
 
  private:
