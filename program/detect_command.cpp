@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -104,6 +105,9 @@ class Detection {
         request_{.query = options.first ? Query::first : Query::all,
                  .initial_overlaps = !options.overlaps.empty(),
                  .leave_out_shell_neighbours = options.query.leaves_out_shell_neighbours(options.sequence)} {
+    if (range_.end > std::numeric_limits<int>::max() / options.substeps)
+      throw ConfigError(fmt::format("--substeps: {} substeps of {} motions are more than can be numbered",
+                                    options.substeps, range_.end));
     warn_of_incomplete(reader_);
     plan_.input("FILE", options.sequence.file);
     plan_.output("--contacts", options.contacts);
@@ -313,6 +317,7 @@ class Detection {
             {"shell_neighbours", request_.leave_out_shell_neighbours ? "leave-out" : "keep"},
             {"edges", options_.sequence.edges},
             {"motion", options_.sequence.motion},
+            {"substeps", options_.substeps},
             {"threads", executor_->workers()},
             {"pipeline", to_json(runner_.pipeline())},
             {"machine", machine_facts()},

@@ -44,15 +44,12 @@ class CandidateList {
   bool empty() const { return !made_; }
   void clear() { made_ = false; }
   const TestBatch& tests() const { return tests_; }
-  double budget() const { return budget_; }
   /// How often the list was refreshed since it was made.
   int refreshed() const { return refreshed_; }
   /// By how much the last step that was compared with the list is away from its prediction.
   double distance() const { return distance_; }
   /// The time of the prediction, from 0 to 1, at which that step ended.
   double reached() const { return reached_; }
-  /// How far the fastest vertex goes in the time of the prediction.
-  double length() const { return prediction_.length(); }
 
   std::size_t bytes() const { return heap_bytes(prediction_, delta_, tests_.vf, tests_.ee, gone_, local_, renewed_); }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The box around all positions of an element. Differences of its coordinates to others are not rounded towards it.
+/// The box around all positions of an element; its coordinates are those of control points, without rounding.
 template <class Box>
 Box box_of(const Mesh& mesh, const Motion& motion, Index o) {
   Box box{Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)};

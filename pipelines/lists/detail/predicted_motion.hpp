@@ -34,8 +34,6 @@ class PredictedMotion {
   bool renew(const Motion& motion, Interval at, std::span<const Index> vertices);
 
   const Motion& lines() const { return lines_; }
-  /// The longest of the lines, from P(0) to P(1).
-  double length() const { return length_; }
 
   /// The times at which a sample of fast vertices is nearest to the start and to the end of the motion.
   Interval nearest(const Motion& motion) const;
@@ -55,9 +53,9 @@ class PredictedMotion {
   std::vector<Index> sample_;                     ///< vertices for nearest()
   std::vector<std::pair<double, Index>> speeds_;  ///< scratch memory of choose_sample()
   std::vector<double> worst_;                     ///< by worker: scratch memory of distance()
-  double length_ = 0;
-  double largest_ = 0;   ///< coordinate
-  double rounding_ = 0;  ///< bound of the error of a computed point of P
+  double length_ = 0;                             ///< of the longest line, from P(0) to P(1)
+  double largest_ = 0;                            ///< coordinate
+  double rounding_ = 0;                           ///< bound of the error of a computed point of P
 };
 
 }  // namespace volccd::detail
