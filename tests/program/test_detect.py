@@ -25,6 +25,16 @@ class Detect(ProgramTest):
         first = self.contacts("--first")[1:]
         self.assertEqual({row[0]: float(row[6]) for row in first}, earliest)
 
+    def test_substeps_have_the_same_contacts_with_lists(self):
+        substeps = ("--substeps", "6", "--separation", "0.05")
+        fresh = self.contacts(*substeps, "--lists", "off")
+        self.assertGreater(len(fresh), 20)
+        self.assertEqual({int(row[0]) // 6 for row in fresh[1:]}, {int(row[0]) for row in self.contacts()[1:]})
+        for lists in ("auto", "0.05:4", "0:0"):
+            self.assertEqual(self.contacts(*substeps, "--lists", lists), fresh, lists)
+        for bad in ("on", "1", "1:2x", "-1:2", "nan:1"):
+            self.assertEqual(run("detect", self.sequence, "--lists", bad).returncode, 2, bad)
+
     def test_steps_select(self):
         everything = self.contacts()[1:]
         for text, steps in (("1:3", "12"), (":2", "01"), ("2:", "23"), ("3", "3")):
