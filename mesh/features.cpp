@@ -38,6 +38,7 @@ using detail::ascending;
 /// Upper bounds on the numbers of edges and triangles of some elements, with repetition.
 std::array<std::size_t, 2> boundary_sizes(const Mesh& mesh, std::size_t begin, std::size_t end, EdgeSet edge_set) {
   std::size_t edges = 0, triangles = 0;
+  if (edge_set == EdgeSet::none) return {edges, triangles};
   for (Index o = static_cast<Index>(begin); o < end; ++o) {
     const detail::ElementTable& table = detail::element_table(mesh.type(o));
     const std::size_t faces = mesh.type(o) == ElementType::polytope ? mesh.polytope_faces(o).size() : 0;

@@ -5,6 +5,7 @@
 // that vertex. Therefore all elements that share a face have the same triangles. Edge sets:
 //   triangulated   polytope edges and face diagonals; complete even if faces are not planar (default)
 //   polytope       without the diagonals, as the paper counts: a hexahedron has 12 edges (Section 3.4)
+//   none           neither edges nor triangles: for a mesh of which only element pairs are requested
 #pragma once
 
 #include <array>
@@ -47,7 +48,7 @@ struct TupleFeatures {
 
 }  // namespace detail
 
-enum class EdgeSet { triangulated, polytope };
+enum class EdgeSet { triangulated, polytope, none };
 
 /// The features that an edit changes. Each list is ascending and contains no slot twice.
 struct FeatureChange {
@@ -122,8 +123,8 @@ class Features {
 };
 
 /// Visits the triangulated boundary of element o: calls edge(v0, v1) for each edge of the edge set and triangle(v0, v1,
-/// v2) for each triangle. The arguments are vertex slots in no particular order. Each edge and each triangle of the
-/// element is visited once.
+/// v2) for each triangle; nothing for EdgeSet::none. The arguments are vertex slots in no particular order. Each edge and
+/// each triangle of the element is visited once.
 template <class EdgeVisitor, class TriangleVisitor>
 void visit_boundary(const Mesh& mesh, Index o, EdgeSet edge_set, EdgeVisitor&& edge, TriangleVisitor&& triangle);
 

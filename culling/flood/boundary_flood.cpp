@@ -171,10 +171,9 @@ void append_parts(BoundaryFloodState& state, unsigned worker, std::size_t block,
   Work& found = state.workers[worker].work;
   found.pairs.clear();
   state.broad_phase->run(*state.parts_step, *state.parts_state, worker, block, found);
-  const Adjacency& adjacency = state.step->topology.adjacency();
+  const detail::PartTable& table = state.outer.table();
   for (const ElementPair parts : found.pairs)
-    if (const ElementPair pair = state.outer.table().simplices(parts); !adjacency.adjacent(pair.a, pair.b))
-      out.pairs.push_back(pair);
+    if (!table.simplices_adjacent(parts)) out.pairs.push_back(table.simplices(parts));
 }
 
 void append_everything(BoundaryFloodState& state, unsigned worker, std::size_t block, Work& out) {

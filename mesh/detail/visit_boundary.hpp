@@ -44,6 +44,7 @@ inline std::array<Index, 3> ascending(Index a, Index b, Index c) {
 template <class EdgeVisitor, class TriangleVisitor>
 void visit_boundary(ElementType type, const Index* v, std::span<const Index> faces, EdgeSet edge_set,
                     EdgeVisitor&& edge, TriangleVisitor&& triangle) {
+  if (edge_set == EdgeSet::none) return;
   if (type == ElementType::polytope) {
     const PolytopeBoundary boundary(faces, edge_set);
     for (const auto& e : boundary.edges) edge(e[0], e[1]);

@@ -76,6 +76,18 @@ TEST(Features, EqualEnumerationOnEveryTypeAndMix) {
     }
 }
 
+TEST(Features, WithoutEdgesAndTrianglesHaveVerticesAlone) {
+  const Mesh mesh = permuted(mixed_block(2, 2), 1).mesh();
+  const Features all = built(mesh, EdgeSet::triangulated), none = built(mesh, EdgeSet::none);
+  EXPECT_EQ(none.edge_slots() + none.triangle_slots(), 0u);
+  EXPECT_EQ(none.vertex_count(), all.vertex_count());
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    EXPECT_TRUE(std::ranges::equal(none.vertex_elements(v), all.vertex_elements(v)));
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    EXPECT_TRUE(none.element_edges(o).empty() && none.element_triangles(o).empty());
+  EXPECT_LT(none.bytes(), all.bytes() / 2);
+}
+
 TEST(Features, NeighboursOfDifferentTypeShareTheirTriangles) {
   // In a conforming block, every interior triangle belongs to two volumes of any type, including where they split a
   // quad. A column of tetrahedra has other diagonals, so that only the four other types are used.

@@ -55,6 +55,7 @@ inline NaiveFeatures naive_features(const Mesh& mesh, EdgeSet edge_set) {
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.is_live(o)) continue;
     for (Index v : mesh.vertices(o)) all.vertices[v].insert(o);
+    if (edge_set == EdgeSet::none) continue;
     for (const auto& face : faces_of(mesh, o)) {
       const std::size_t n = face.size();
       const auto smallest = static_cast<std::size_t>(std::min_element(face.begin(), face.end()) - face.begin());

@@ -223,6 +223,10 @@ TEST(Topology, EditedEqualsRebuiltPolytope) {
   EXPECT_TRUE(rc::check([] { check_random_edits(EdgeSet::polytope); }));
 }
 
+TEST(Topology, EditedEqualsRebuiltWithoutEdges) {
+  EXPECT_TRUE(rc::check([] { check_random_edits(EdgeSet::none); }));
+}
+
 TEST(Topology, ADeltaListsWhatChangedSinceItWasConfirmed) {
   EXPECT_TRUE(rc::check([] {
     using Extent = TopologyDelta::Extent;

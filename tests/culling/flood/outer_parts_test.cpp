@@ -221,5 +221,25 @@ TEST(OuterParts, HaveTheObjectsOfTheirElements) {
   }
 }
 
+/// A face stays the part of a slot in which an edit replaces the simplex by another one with this face.
+TEST(PartTable, ComparesTheSimplicesThatAreThereNow) {
+  Mesh tetrahedra;
+  const std::vector<std::int64_t> ids{0, 1, 2, 3, 4, 5, 6, 7};
+  tetrahedra.add_vertices(ids);
+  tetrahedra.add_element({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}, .id = 1});
+  tetrahedra.add_element({.type = ElementType::tetrahedron, .vertices = {4, 5, 6, 7}, .id = 2});
+  Topology topology(std::move(tetrahedra));
+  const auto first_face = [](Index) -> PartTable::Kind { return 7; };
+  SerialExecutor serial;
+  PartTable parts;
+  parts.build(topology.mesh(), first_face, serial);
+  EXPECT_FALSE(parts.simplices_adjacent({0, 1}));
+  const std::uint64_t version = parts.topology().version();
+  topology.apply({.removed = {0}, .added = {{.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 7}, .id = 3}}});
+  parts.update(topology.mesh(), std::vector<Index>{0}, first_face);
+  EXPECT_EQ(parts.topology().version(), version);
+  EXPECT_TRUE(parts.simplices_adjacent({0, 1}));
+}
+
 }  // namespace
 }  // namespace volccd::detail
