@@ -36,11 +36,11 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
   if (answer.outcome == InclusionAnswer::Outcome::undecided) {
     ++counters.undecided;
     const TestMotion motion{kind, points, x};
-    const bool decide =
-        config_.undecided == Undecided::exact || (answer.unsettled && coordinate_bits(motion) <= config_.exact_bits);
-    if (decide && step.separation == 0) {
+    const bool decide = config_.undecided == Undecided::exact ||
+                        (answer.unsettled && coordinate_bits(motion, step.separation) <= config_.exact_bits);
+    if (decide) {
       // For the whole step, so that the answer does not depend on t_max.
-      const ExactAnswer exact = exact_first_touch(motion);
+      const ExactAnswer exact = exact_first_touch(motion, 1, step.separation);
       if (!exact.touches || exact.toi > step.t_max) return;
       counters.degenerate += exact.degenerate ? 1 : 0;
       answer.toi = exact.toi;

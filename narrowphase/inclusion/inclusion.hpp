@@ -21,13 +21,10 @@ enum class Undecided {
 ///   NarrowCounters::undecided. By default it is reported, and its time is the start of that interval; with
 ///   `undecided=exact`, `exact` decides it, so that there are no false contacts. The features of a reported test come
 ///   closer than kUndecidedDistance times its size (the greatest coordinate difference between its points at the
-///   control points). If the features stay near each other for longer than the tolerance, or the search ends after
-///   `max_intervals`, `exact` decides with either option. Exception: if the coordinates span more than `exact_bits`
-///   bits (for example 1 and 1e-300), such a test remains undecided and is reported; its time may be earlier than the
-///   tolerance allows, and its features may be further apart.
-/// - With a separation, which `exact` does not support, all undecided tests are reported. If the features only reach
-///   the separation without coming closer, the time may be earlier than the tolerance allows; if the search ended after
-///   `max_intervals`, the features may be further apart.
+///   control points), beyond the separation. If the features stay near each other for longer than the tolerance, or the
+///   search ends after `max_intervals`, `exact` decides with either option. Exception: if the coordinates span more
+///   than `exact_bits` bits (for example 1 and 1e-300), such a test remains undecided and is reported; its time may be
+///   earlier than the tolerance allows, and its features may be further apart.
 ///
 /// Method: the step is divided into intervals, which are processed in ascending order. An interval is free of contact
 /// if the Bernstein coefficients of the coplanarity polynomial have the same sign, or if an axis separates the control

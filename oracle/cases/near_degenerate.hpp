@@ -84,12 +84,8 @@ class Coordinates {
  public:
   explicit Coordinates(const Case& c);
   TestMotion motion() const;
-  /// Whether a coordinate axis separates the features at every control point, decided exactly.
-  bool apart_along_an_axis() const;
   /// Greatest difference of coordinates of two points at the same control point.
   double size() const;
-  /// Distance of the features at t, rounded; used to choose times that are then tested exactly.
-  long double distance(double t) const;
 
  private:
   FeatureKind kind_;
@@ -97,12 +93,7 @@ class Coordinates {
   std::array<std::array<double, 9>, 4> points_;
 };
 
-/// Whether the features come within the separation at one of many sampled times in [from, to]. Times at which they are
-/// near according to floating-point arithmetic are tested exactly. `at`: set to that time.
-bool seen_within_separation(const Case& c, double from, double to, double* at);
-
-/// Whether the features come within the separation by t_max, as known or as decided exactly (with a separation: at the
-/// times that seen_within_separation() samples).
+/// Whether the features come within the separation by t_max, as known or as decided exactly.
 bool touches(const Case& c, double t_max);
 
 /// Coordinates as hexadecimal literals, to be pasted into a test.

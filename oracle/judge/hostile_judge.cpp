@@ -59,10 +59,6 @@ std::string text_of(const ContactDifference& d, std::size_t expected) {
   return text;
 }
 
-bool contains(const std::vector<Contact>& contacts, const Contact& c) {
-  return std::binary_search(contacts.begin(), contacts.end(), c, canonical_less);
-}
-
 }  // namespace
 
 PipelineSpec forced_flood(const Registry& registry) {
@@ -143,26 +139,12 @@ class HostileJudge::Trial {
     } catch (const std::exception& error) {
       return workers + std::string(error.what());
     }
-    ContactDifference difference = compare_contacts(expected_.contacts, found_.contacts);
-    if (!difference.empty() && step.separation > 0) drop_undecided(step, request, difference);
+    const ContactDifference difference = compare_contacts(expected_.contacts, found_.contacts);
     if (!difference.empty()) return workers + text_of(difference, expected_.contacts.size());
     if (expected_.initial_overlaps != found_.initial_overlaps)
       return fmt::format("{}{} initial overlaps instead of {}", workers, found_.initial_overlaps.size(),
                          expected_.initial_overlaps.size());
     return {};
-  }
-
-  /// With a separation, tests are undecided if the features only just reach it.
-  void drop_undecided(const Step& step, const Request& request, ContactDifference& difference) {
-    constexpr double kMargin = 1e-9;
-    StepResult closer, wider;
-    Step changed = step;
-    changed.separation = step.separation * (1 - kMargin);
-    run_truth(changed, request, closer);
-    changed.separation = step.separation * (1 + kMargin);
-    run_truth(changed, request, wider);
-    std::erase_if(difference.missing, [&](const Contact& c) { return !contains(closer.contacts, c); });
-    std::erase_if(difference.extra, [&](const Contact& c) { return contains(wider.contacts, c); });
   }
 
   HostileJudge& judge_;

@@ -20,9 +20,7 @@ PipelineSpec forced_flood(const Registry& registry);
 PipelineSpec default_flood(const Registry& registry);
 PipelineSpec forced_star_orphans(const Registry& registry);
 
-/// Compares pipelines with brute force. Contacts must agree bit for bit, and so must initial overlaps. With a
-/// separation, a contact is lost only if it remains with a smaller separation, and extra only if it is none with a
-/// greater one, because a stage may prove what the narrow phase leaves undecided. Not thread-safe.
+/// Compares pipelines with brute force. Contacts must agree bit for bit, and so must initial overlaps. Not thread-safe.
 class HostileJudge {
  public:
   /// All pipelines get the same narrow phase: `inclusion`, which leaves undecided tests to exact arithmetic.

@@ -197,10 +197,7 @@ class NarrowStage final : public BlockStage {
                                           contact.toi <= t_max);
     trials_.expect(kWellFormed, well_formed_ && finite, text("a contact that is no answer to its test"));
     well_formed_ = true;
-    if (c.separation > 0)
-      judge_distance(c, t_max, answer, text);
-    else
-      judge_touch(c, t_max, answer, text);
+    judge_touch(c, t_max, answer, text);
     if (answer.found && !answer.undecided)
       trials_.expect(kNear, near_at(c, answer.contact.toi), text("reports, and not near"), trials_.conservative());
   }
@@ -210,7 +207,7 @@ class NarrowStage final : public BlockStage {
   template <class Text>
   void judge_touch(const Case& c, double t_max, const Answer& answer, const Text& text) {
     const bool required = trials_.conservative();
-    const ExactAnswer truth = exact_first_touch(cases::Coordinates(c).motion(), t_max);
+    const ExactAnswer truth = exact_first_touch(cases::Coordinates(c).motion(), t_max, c.separation);
     trials_.expect(kLosesNoContact, answer.found || !truth.touches, text("misses"), required);
     trials_.expect(kInventsNoContact, !answer.found || truth.touches, text("invents"), trials_.exact());
     if (answer.found && !answer.undecided && !truth.touches)
@@ -231,41 +228,7 @@ class NarrowStage final : public BlockStage {
   /// A narrow phase may report a contact after t_max if its reported time is not.
   bool touches_soon(const Case& c, double t_max) const {
     const double until = std::min(1.0, t_max + narrow_.time_tolerance());
-    return until > t_max && exact_first_touch(cases::Coordinates(c).motion(), until).touches;
-  }
-
-  template <class Text>
-  void judge_distance(const Case& c, double t_max, const Answer& answer, const Text& text) {
-    const bool required = trials_.conservative();
-    trials_.expect(kLosesNoContact, answer.found || !cases::touches(c, t_max), text("misses"), required);
-    if (!answer.found) return;
-    const double toi = answer.contact.toi;
-    if (c.touch >= 0) trials_.expect(kTimes, toi <= c.touch, text("reports late"), required);
-    const cases::Coordinates coordinates(c);
-    const TestMotion motion = coordinates.motion();
-    double at;
-    if (compare_distance(motion, 0, c.separation) <= 0)
-      trials_.expect(kTimes, toi == 0 && answer.contact.at_start, text("does not report as near at the start"),
-                     required);
-    if (toi > 0) {
-      const double before = std::nextafter(toi, 0);
-      trials_.expect(
-          kTimes,
-          !cases::seen_within_separation(c, 0, before, &at) && compare_distance(motion, before, c.separation) > 0,
-          text("reports late, within the separation before"), required);
-    }
-    if (answer.undecided) return;
-    // Whether the features are within the separation at some time from the reported one to the tolerance later, as
-    // rounded.
-    const double until = std::min(1.0, toi + narrow_.time_tolerance() * (1 + 0x1p-20));
-    // Where they only reach the separation, without coming closer, a time may be earlier.
-    const auto only_reaches = [&] {
-      Case closer = c;
-      closer.separation *= 1 - 0x1p-30;
-      return !cases::seen_within_separation(closer, toi, 1, &at);
-    };
-    trials_.expect(kTimes, cases::seen_within_separation(c, toi, until, &at) || only_reaches(),
-                   text("reports too early"), required);
+    return until > t_max && exact_first_touch(cases::Coordinates(c).motion(), until, c.separation).touches;
   }
 
   /// Whether the features are within the separation, or touch, but for what they move within the tolerance in time.

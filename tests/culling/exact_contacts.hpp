@@ -28,18 +28,13 @@ inline bool boxes_meet(const Motion& motion, const std::array<Index, 4>& v, std:
   return bounds(0, of_first).intersects(bounds(of_first, 4));
 }
 
-/// Whether the features touch, or are within the separation at one of some times; in exact arithmetic.
+/// Whether the features come within the separation, in exact arithmetic.
 inline bool in_contact(const Step& step, FeatureKind kind, const std::array<Index, 4>& vertices) {
   const std::size_t of_first = kind == FeatureKind::vf ? 1 : 2;
   if (!boxes_meet(step.motion, vertices, of_first, step.separation)) return false;
   TestMotion moving{kind, step.motion.control_points(), {}};
   for (std::size_t i = 0; i < 4; ++i) moving.points[i] = step.motion.at(vertices[i]);
-  if (step.separation == 0) return exact_first_touch(moving).touches;
-  for (const double t : {0.0, 0.5, 1.0})
-    if (boxes_meet(step.motion, vertices, of_first, step.separation, t) &&
-        compare_distance(moving, t, step.separation) <= 0)
-      return true;
-  return false;
+  return exact_first_touch(moving, 1, step.separation).touches;
 }
 
 /// Calls visit(elements of a, elements of b) for each pair of features without a common vertex that is in contact.

@@ -175,29 +175,12 @@ bool LatticeTests::apart(FeatureKind kind, const std::array<Index, 4>& vertices)
 }
 
 bool LatticeTests::in_contact(Test& test) const {
-  if (!test.toi)
-    test.toi = (step_.separation == 0 ? first_touch(test) : first_time_within_separation(test)).value_or(-1);
-  return *test.toi >= 0;
-}
-
-std::optional<double> LatticeTests::first_touch(const Test& test) const {
-  const ExactAnswer answer = exact_first_touch(motion_of(step_, test.kind, test.vertices), step_.t_max);
-  return answer.touches ? std::optional(answer.toi) : std::nullopt;
-}
-
-std::optional<double> LatticeTests::first_time_within_separation(const Test& test) const {
-  static const Inclusion inclusion;
-  std::vector<Contact> contacts;
-  NarrowCounters counters;
-  test::run_stage(inclusion, step_, test.kind, std::array{test.pair}, contacts, counters);
-  if (contacts.empty()) return std::nullopt;
-  // The reported time may be early, and an undecided test is reported although its features may stay further apart.
-  const TestMotion motion = motion_of(step_, test.kind, test.vertices);
-  for (const double later : {0.0, 1e-9, 1e-6, 1e-3}) {
-    const double t = contacts.front().toi + later;
-    if (t <= step_.t_max && compare_distance(motion, t, step_.separation) <= 0) return t;
+  if (!test.toi) {
+    const TestMotion motion = motion_of(step_, test.kind, test.vertices);
+    const ExactAnswer answer = exact_first_touch(motion, step_.t_max, step_.separation);
+    test.toi = answer.touches ? answer.toi : -1;
   }
-  return std::nullopt;
+  return *test.toi >= 0;
 }
 
 std::string LatticeTests::problem(std::span<const Contact> contacts) {

@@ -20,9 +20,7 @@ class LatticeTests {
   explicit LatticeTests(const Step& step);
 
   /// A text on a test that is in contact in [0, t_max] but has no contact, or on a contact whose test is not included
-  /// in the step or is proven apart; empty if there is neither. `contacts` are in canonical order. With a separation,
-  /// which exact arithmetic does not support, a test is in contact if `inclusion` finds it and its features are
-  /// certainly close at about that time.
+  /// in the step or is proven apart; empty if there is neither. `contacts` are in canonical order.
   std::string problem(std::span<const Contact> contacts);
   /// Number of tests that integer arithmetic does not prove apart.
   std::size_t open_tests() const { return tests_.size(); }
@@ -40,8 +38,6 @@ class LatticeTests {
   /// Whether an integer predicate proves that the features do not touch.
   bool apart(FeatureKind kind, const std::array<Index, 4>& vertices) const;
   bool in_contact(Test& test) const;
-  std::optional<double> first_touch(const Test& test) const;
-  std::optional<double> first_time_within_separation(const Test& test) const;
 
   const Step& step_;
   std::vector<std::int64_t> coordinates_;  ///< [vertex][control point][axis]

@@ -164,10 +164,7 @@ class Judge {
   void compare_with_flood(const Step& step, const Contestant& other) const {
     const ContactDifference d =
         compare_contacts(settled(flood_.result.contacts, step.t_max), settled(other.result.contacts, step.t_max));
-    // With a separation, undecided tests are reported. A pipeline may leave out one of them, if a stage proves that the
-    // features stay further apart.
-    if (step.separation > 0 ? !d.changed.empty() : !d.empty())
-      require(other, "compared with the flood, it", difference(d));
+    require(other, "compared with the flood, it", difference(d));
   }
 
   void compare_overlaps(const Step& step, const Contestant& contestant) const {
@@ -177,7 +174,6 @@ class Judge {
   }
 
   void check_first(const Step& step, Contestant& contestant) {
-    if (step.separation > 0) return;  // undecided tests may be left out
     const std::vector<Contact>& all = contestant.result.contacts;
     const auto earliest = std::ranges::min_element(all, {}, &Contact::toi);
     if (earliest != all.end() && step.t_max < 1 && earliest->toi > step.t_max - 1e-8) return;

@@ -13,18 +13,8 @@ bool is_zero(const Curve& v) {
   return std::all_of(v.begin(), v.end(), [](const Polynomial& p) { return p.is_zero(); });
 }
 
-/// For each of two points of the other feature: an edge that a point of the first feature may reach.
-struct PointAndEdge {
-  std::size_t point, g, h;
-};
-
 constexpr std::array<PointAndEdge, 3> kVertexAndSides = {{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}};
 constexpr std::array<PointAndEdge, 4> kEndsAndEdges = {{{0, 2, 3}, {1, 2, 3}, {2, 0, 1}, {3, 0, 1}}};
-
-std::span<const PointAndEdge> points_and_edges(FeatureKind kind) {
-  if (kind == FeatureKind::vf) return kVertexAndSides;
-  return kEndsAndEdges;
-}
 
 /// The motion at one time. The signs of polynomials at this time are computed once.
 class Instant {
@@ -64,6 +54,11 @@ Polynomial common_roots(const Curve& v) { return greatest_common_divisor(greates
 
 }  // namespace
 
+std::span<const PointAndEdge> points_and_edges(FeatureKind kind) {
+  if (kind == FeatureKind::vf) return kVertexAndSides;
+  return kEndsAndEdges;
+}
+
 void CommonIntegers::add(double x) { values_.push_back(x); }
 
 void CommonIntegers::add(std::span<const double> x) { values_.insert(values_.end(), x.begin(), x.end()); }
@@ -82,21 +77,22 @@ std::vector<Integer> CommonIntegers::integers() const {
   return result;
 }
 
-std::array<Curve, 4> relative_curves(const TestMotion& motion) {
+RelativeCurves relative_curves(const TestMotion& motion, double separation) {
   const auto stride = static_cast<std::size_t>(3 * motion.control_points);
   CommonIntegers coordinates;
   for (const double* x : motion.points) coordinates.add({x, stride});
+  coordinates.add(separation);
   const std::vector<Integer> x = coordinates.integers();
-  std::array<Curve, 4> curves;
+  RelativeCurves curves{{}, x.back()};
   for (std::size_t i = 1; i < 4; ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       const auto control = [&](std::size_t c) { return Integer(x[i * stride + 3 * c + k] - x[3 * c + k]); };
       const Integer b0 = control(0), b1 = control(1);
       if (motion.control_points == 2) {
-        curves[i][k] = Polynomial({b0, b1 - b0});
+        curves.x[i][k] = Polynomial({b0, b1 - b0});
       } else {
         const Integer b2 = control(2);
-        curves[i][k] = Polynomial({b0, 2 * (b1 - b0), b0 - 2 * b1 + b2});
+        curves.x[i][k] = Polynomial({b0, 2 * (b1 - b0), b0 - 2 * b1 + b2});
       }
     }
   return curves;

@@ -27,8 +27,21 @@ class CommonIntegers {
 /// The trajectory of a point.
 using Curve = Vector3<Polynomial>;
 
-/// Trajectories of the points 0 to 3 relative to point 0, whose curve is zero.
-std::array<Curve, 4> relative_curves(const TestMotion& motion);
+struct RelativeCurves {
+  std::array<Curve, 4> x;  ///< trajectories of the points 0 to 3 relative to point 0, whose curve is zero
+  Integer separation;      ///< in the unit of the curves
+};
+
+/// Pre: the separation is finite.
+RelativeCurves relative_curves(const TestMotion& motion, double separation = 0);
+
+/// A point of one feature, and an edge of the other one.
+struct PointAndEdge {
+  std::size_t point, g, h;
+};
+
+/// The vertex and the three sides, or the four ends and the other edge.
+std::span<const PointAndEdge> points_and_edges(FeatureKind kind);
 
 /// Whether the features touch at time t. Pre: the four points are coplanar at t. `degenerate` becomes true if the
 /// triangle has no area, or if the edges are parallel or points.
@@ -43,5 +56,16 @@ bool coplanar_features_touch(FeatureKind kind, const std::array<Curve, 4>& x, Al
 /// polynomials. If they are collinear at all times, e cannot be strictly between g and h at T, because this would hold
 /// just before; hence e meets g or h at T, but not at all times, and g - e or h - e vanishes at T.
 std::vector<Polynomial> coplanar_events(FeatureKind kind, const std::array<Curve, 4>& x);
+
+/// The answer of exact_first_touch() for a separation > 0.
+///
+/// Proof. If the features are not within d at 0 and T > 0 is the first time at which they are, their distance is d at
+/// T. Among the pairs of parts (points, edges, the triangle) whose closest points are in the relative insides of both,
+/// take one of least dimension. The parts have a length, an area or no common direction at T, because otherwise the
+/// closest points would be on parts of lower dimension. So just before T, too, the closest points of the lines or
+/// planes of these parts are inside the parts. If the polynomial of the pair were zero, their distance would be d then,
+/// and the features within d before T. Hence T is a root of the polynomial of this pair, which is not zero. Conversely,
+/// at every root at which the closest points are in the parts, the features are within d.
+ExactAnswer first_approach(const TestMotion& motion, double separation, double t_max);
 
 }  // namespace volccd::detail

@@ -171,8 +171,8 @@ class InclusionSearch {
         continue;
       }
       if (try_close_axes(piece)) continue;
-      if (test_.separation() > 0 || (test_.rigid() && moves_as_one<kPoints>(points_)))
-        return is_open ? open : undecided(interval.lo);
+      if (test_.separation() > 0) return unsettled(undecided(interval.lo));
+      if (test_.rigid() && moves_as_one<kPoints>(points_)) return is_open ? open : undecided(interval.lo);
       if (!is_open) {
         open = undecided(interval.lo);
         if (const auto answer = examine_later_times(open, interval.hi)) return *answer;

@@ -22,9 +22,9 @@ struct Case {
   FeatureKind kind;
   std::vector<Corners> control;
 
-  ExactAnswer answer(double t_max = 1) const {
+  ExactAnswer answer(double t_max = 1, double separation = 0) const {
     const auto x = packed();
-    return exact_first_touch(motion(x), t_max);
+    return exact_first_touch(motion(x), t_max, separation);
   }
   int compare(double t, double d) const {
     const auto x = packed();
@@ -226,9 +226,9 @@ TEST(ExactDecision, TimesBetweenDoubles) {
   EXPECT_EQ(answer.side, -root.with([](Corners& x) { x[0].z() *= -1; }).answer().side);
 }
 
-/// The time at which the features come within 1e-8, found with steps that are too short to pass it; above 1 if they do
-/// not. Speeds are bounded by differences of control points.
-Real advance(const Case& c) {
+/// The time at which the features come within 1e-8 of the separation, found with steps that are too short to pass it;
+/// above 1 if they do not. Speeds are bounded by differences of control points.
+Real advance(const Case& c, Real separation = 0) {
   const auto degree = static_cast<Real>(c.control.size() - 1);
   Real speed = 1e-9L, t = 0;
   for (std::size_t k = 0; k + 1 < c.control.size(); ++k)
@@ -239,7 +239,7 @@ Real advance(const Case& c) {
                                          .cast<Real>()
                                          .norm());
   while (t <= 1) {
-    const Real gap = c.distance(t);
+    const Real gap = c.distance(t) - separation;
     if (gap < 1e-8L) return t;
     t += gap / speed;
   }
@@ -450,6 +450,72 @@ TEST(ExactDecision, LinesAsCurves) {
     for (std::size_t i = 0; i < 4; ++i) curve.control[1][i] = (c.control[0][i] + c.control[1][i]) / 2;
     expect_same(c.answer(), curve.answer(), "three control points");
   });
+}
+
+TEST(ExactDecision, KnownTimesOfApproach) {
+  const auto edges = [](Corners a, Corners b) { return Case{ee, {a, b}}; };
+  const Case onto_inside = against_triangle({{.25, .25, 2}, {.25, .25, -2}});
+  const Case onto_side = against_triangle({{.5, -2, 0}, {.5, 2, 0}}),
+             onto_corner = against_triangle({{-2, 0, 0}, {2, 0, 0}});
+  const Case past_corner = against_triangle({{-4, -3, 0}, {4, -3, 0}});
+  const Case beside = against_triangle({{-2, .25, 1}, {2, .25, 1}});  // at the distance of the plane at all times
+  const Case along = against_triangle({{-2, -1, 0}, {2, -1, 0}});     // at the distance of a side's line at all times
+  const Case turns = against_triangle({{.25, .25, 3}, {.25, .25, -1}, {.25, .25, 3}});
+  const Case crossing = edges({Vec3(-1, 0, 2), Vec3(1, 0, 2), Vec3(0, -1, 0), Vec3(0, 1, 0)},
+                              {Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 1, 0)});
+  const Case parallel = edges({Vec3(-1, 0, 2), Vec3(1, 0, 2), Vec3(-1, 0, 0), Vec3(1, 0, 0)},
+                              {Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(1, 0, 0)});
+  const struct {
+    const char* what;
+    const Case& motion;
+    double separation, toi;  // toi < 0: apart
+    TouchCase reason;
+  } cases[] = {
+      {"inside", onto_inside, 1, .25, TouchCase::approach},
+      {"at the start", onto_inside, 2, 0, TouchCase::at_start},
+      {"a side", onto_side, 1, .25, TouchCase::approach},
+      {"a corner", onto_corner, 1, .25, TouchCase::approach},
+      {"past a corner", past_corner, 3, .5, TouchCase::approach},
+      {"not quite past a corner", past_corner, std::nextafter(3.0, 0), -1, TouchCase::apart},
+      {"beside, until above a side", beside, 1, .5, TouchCase::approach},
+      {"too high beside", beside, std::nextafter(1.0, 0), -1, TouchCase::apart},
+      {"along a line, until beside its edge", along, 1, .5, TouchCase::approach},
+      {"turns at the separation", turns, 1, .5, TouchCase::approach},
+      {"turns before the separation", turns, std::nextafter(1.0, 0), -1, TouchCase::apart},
+      {"edges", crossing, .5, .75, TouchCase::approach},
+      {"parallel edges", parallel, .5, .75, TouchCase::approach},
+      {"a denormal separation", onto_inside, kDenormal, std::nextafter(.5, 0), TouchCase::approach},
+  };
+  for (const auto& known : cases) {
+    const ExactAnswer answer = known.motion.answer(1, known.separation);
+    EXPECT_EQ(answer.touches, known.toi >= 0) << known.what;
+    EXPECT_EQ(answer.toi, std::max(known.toi, 0.0)) << known.what;
+    EXPECT_EQ(answer.reason, known.reason) << known.what;
+    EXPECT_EQ(answer.toi_exact, answer.touches && known.separation != kDenormal) << known.what;
+  }
+}
+
+TEST(ExactDecision, ApproachAgreesWithAdvancement) {
+  int touching = 0, apart = 0;
+  for_lattice_cases(6, [&](const Case& c, Random& random) {
+    const double separation = 0.25 * (1 + static_cast<double>(random.below(8)));
+    const ExactAnswer answer = c.answer(1, separation);
+    const Real judge = advance(c, separation);
+    // Features may pass at the separation itself.
+    ASSERT_TRUE(judge <= 1 || !answer.touches) << static_cast<double>(judge);
+    ASSERT_TRUE(judge > 1 || answer.touches || c.compare(static_cast<double>(judge), separation) > 0);
+    ++(answer.touches ? touching : apart);
+    const double until = answer.touches ? answer.toi : 1;
+    for (double t = 0; t < until; t += 1 / 64.0) ASSERT_EQ(c.compare(t, separation), 1) << t;
+    if (!answer.touches) return;
+    ASSERT_NEAR(answer.toi, static_cast<double>(judge), 1.5e-2);
+    ASSERT_EQ(c.compare(answer.toi, separation) <= 0, answer.toi_exact);
+    ASSERT_LE(std::abs(c.distance(answer.toi) - separation),
+              answer.reason == TouchCase::at_start ? separation : 1e-14L);
+    ASSERT_EQ(c.answer(answer.toi, separation).touches, answer.toi_exact);
+  });
+  EXPECT_GT(touching, 200);
+  EXPECT_GT(apart, 50);
 }
 
 TEST(ExactDecision, ComparesDistances) {

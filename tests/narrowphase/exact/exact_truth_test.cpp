@@ -29,7 +29,7 @@ class Bare {
 };
 
 bool coplanar_all_along(const TestMotion& motion) {
-  const auto x = detail::relative_curves(motion);
+  const auto x = detail::relative_curves(motion).x;
   return detail::dot(x[1], detail::cross(x[2], x[3])).is_zero();
 }
 

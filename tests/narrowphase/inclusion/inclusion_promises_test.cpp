@@ -71,10 +71,10 @@ class Promises {
   std::string find_wrong(const Case& c) {
     const Answer answer = run(plain_, c, 1);
     std::string what;
-    if (answer.found() && answer.undecided() && !near(c, answer) && !is_cut_short(c, answer))
+    if (answer.found() && answer.undecided() && !near(c, answer) && !spans_too_much(c))
       what = "undecided, and not near";
     if (what.empty() && answer.found()) what = wrong_end(c, answer);
-    if (what.empty() && c.separation == 0 && answer.undecided()) what = wrong_decision(c, answer);
+    if (what.empty() && answer.undecided()) what = wrong_decision(c, answer);
     return what.empty() ? "" : what + describe(answer, c);
   }
 
@@ -94,7 +94,7 @@ class Promises {
   /// does.
   std::string wrong_decision(const Case& c, const Answer& answer) {
     const Coordinates coordinates(c);
-    const ExactAnswer truth = exact_first_touch(coordinates.motion());
+    const ExactAnswer truth = exact_first_touch(coordinates.motion(), 1, c.separation);
     if (truth.touches && truth.toi - answer.toi() > kTolerance && !spans_too_much(c)) return "too early";
     const Answer decided = run(deciding_, c, 1);
     if (decided.found() != truth.touches) return "undecided=exact decides otherwise";
@@ -115,22 +115,14 @@ class Promises {
     return !std::isfinite(within) || compare_distance(coordinates.motion(), answer.toi(), within) <= 0;
   }
 
-  /// With a separation, a search that is given up does not tell how near the features come; one that continues does.
-  bool is_cut_short(const Case& c, const Answer& answer) {
-    if (c.separation == 0) return spans_too_much(c);
-    const Answer patient = run(patient_, c, 1);
-    return patient.contacts != answer.contacts || patient.counters.undecided != answer.counters.undecided;
-  }
-
   /// `exact` is not used for such tests.
   static bool spans_too_much(const Case& c) {
-    return coordinate_bits(Coordinates(c).motion()) > Inclusion::Config{}.exact_bits;
+    return coordinate_bits(Coordinates(c).motion(), c.separation) > Inclusion::Config{}.exact_bits;
   }
 
   static constexpr double kTolerance = 1e-9;
   Inclusion plain_{{.time_tolerance = kTolerance}};
   Inclusion deciding_{{.time_tolerance = kTolerance, .undecided = Undecided::exact}};
-  Inclusion patient_{{.time_tolerance = kTolerance, .max_intervals = 100'000}};
   InstructionSets sets_;
   std::size_t cases_ = 0;
   OneTest test_;
