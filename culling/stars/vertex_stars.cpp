@@ -93,21 +93,26 @@ void VertexStars::find_all_positive(const Step& step, Executor& executor) {
 /// Takes the next step. Returns whether it does not begin where the last one ended; gap_ is the motion in between.
 /// Vertices that the last step did not have do not move in it. False for the first step.
 bool VertexStars::find_gap(const Motion& motion, Executor& executor) {
-  const std::size_t before = last_.size(), vertices = motion.vertex_count();
-  for (std::vector<Vec3>* positions : {&start_, &last_, &end_}) positions->resize(vertices);
+  const auto before = static_cast<Index>(last_.size());
+  last_.resize(motion.vertex_count());
+  const auto for_vertices = [&](auto&& use) {
+    executor.parallel_for(last_.size(), kVertexGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+      for (auto v = static_cast<Index>(begin); v < end; ++v) use(v);
+    });
+  };
   std::atomic<bool> moved = false;
-  executor.parallel_for(vertices, kVertexGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    bool here = false;
-    for (std::size_t v = begin; v < end; ++v) {
-      start_[v] = motion.point(static_cast<Index>(v), 0);
-      end_[v] = motion.point(static_cast<Index>(v), motion.control_points() - 1);
-      if (v >= before) last_[v] = start_[v];
-      here = here || last_[v] != start_[v];
-    }
-    if (here) moved.store(true, std::memory_order_relaxed);
+  for_vertices([&](Index v) {
+    if (v < before && last_[v] != motion.point(v, 0)) moved.store(true, std::memory_order_relaxed);
   });
-  if (moved) gap_.set_linear(last_, start_);
-  last_.swap(end_);
+  if (moved) {
+    if (gap_.vertex_count() != motion.vertex_count()) gap_ = Motion(motion.vertex_count(), 2);
+    for_vertices([&](Index v) {
+      const Vec3 start = motion.point(v, 0);
+      gap_.set(v, 0, v < before ? last_[v] : start);
+      gap_.set(v, 1, start);
+    });
+  }
+  for_vertices([&](Index v) { last_[v] = motion.point(v, motion.control_points() - 1); });
   return moved;
 }
 

@@ -41,7 +41,7 @@ class VertexStars {
 
   std::size_t bytes() const {
     return heap_bytes(table_, rings_, folds_, suspect_, known_, all_positive_, signs_, gap_signs_, scratch_, last_,
-                      start_, end_, gap_, suspects_);
+                      gap_, suspects_);
   }
 
  private:
@@ -60,7 +60,7 @@ class VertexStars {
   std::vector<std::uint8_t> all_positive_;     ///< by vertex: whether the volumes at it are all proven to be positive
   std::vector<ConeSigns> signs_, gap_signs_;   ///< by element slot
   std::vector<Ring> scratch_;                  ///< by worker
-  std::vector<Vec3> last_, start_, end_;       ///< by vertex: where the last step ended, and both ends of this one
+  std::vector<Vec3> last_;                     ///< by vertex: where the last step ended
   Motion gap_;                                 ///< the straight motion from the last step to this one
   std::vector<Index> suspects_;
   bool complete_ = false;  ///< whether the last update has ended

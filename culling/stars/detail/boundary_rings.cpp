@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <volccd/core/error.hpp>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/stars/detail/boundary_rings.cpp"
 #include <hwy/cache_control.h>
@@ -209,6 +211,7 @@ constexpr std::size_t kFaceGrain = 512, kRingGrain = 256;
 }  // namespace
 
 void BoundaryRings::set_faces(const Mesh& mesh, std::vector<RingFace> faces) {
+  if (faces.size() > RingCorner::kMaxFaces) throw Error("a mesh with more than 2^30 boundary triangles");
   faces_ = std::move(faces);
   ups_.resize(mesh.vertex_count());
   begins_.assign(mesh.vertex_count() + std::size_t{1}, 0);
@@ -216,7 +219,8 @@ void BoundaryRings::set_faces(const Mesh& mesh, std::vector<RingFace> faces) {
     for (std::size_t f = 0; f < faces_.size(); ++f)
       for (unsigned i = 0; i < 4; ++i)
         if (i < 3 || faces_[f].fourth != kNone)
-          visit(faces_[f].vertex(i), RingCorner{static_cast<Index>(f), i < 3, (faces_[f].tested >> i & 1) != 0});
+          visit(faces_[f].vertex(i), RingCorner{static_cast<Index>(f) & (RingCorner::kMaxFaces - 1), i < 3,
+                                                (faces_[f].tested >> i & 1) != 0});
   };
   visit_corners([&](Index v, const RingCorner&) { ++begins_[v]; });
   Index end = 0;

@@ -21,10 +21,12 @@ struct RingFace {
   Index vertex(std::size_t i) const { return i < 3 ? triangle[i] : fourth; }
 };
 
-/// A face at a vertex, and whether the vertex is one of its triangle and is tested with it.
+/// A face at a vertex, and whether the vertex is one of its triangle and is tested with it. There may be up to
+/// kMaxFaces faces, whose normals would have 64 GiB.
 struct RingCorner {
-  Index face;
-  bool of_triangle, tested;
+  static constexpr Index kMaxFaces = Index{1} << 30;
+  Index face : 30;
+  bool of_triangle : 1, tested : 1;
 };
 
 /// The normal of a moving face as Bernstein coefficients, each times its binomial: three for linear motion, five for
@@ -57,7 +59,7 @@ struct Rings {
 /// The boundary faces of a mesh. Not thread-safe; uses the executor.
 class BoundaryRings {
  public:
-  /// Replaces the faces. Every vertex that is tested is a vertex of a triangle.
+  /// Replaces the faces. Every vertex that is tested is a vertex of a triangle. Throws Error if there are too many.
   void set_faces(const Mesh& mesh, std::vector<RingFace> faces);
 
   /// Sets folds[v] to 1 for each vertex v of the faces, unless the normals of all faces that are tested for v have
