@@ -31,7 +31,7 @@ class Experiments(ProgramTest):
         with open(self.path("results/projectile.txt"), encoding="utf-8") as file:
             self.assertEqual(text, file.read())
         same = self.good("experiment", "compare", self.path("results"), self.path("results"))
-        self.assertIn("4 compared: 0 slower, 0 faster beyond the spread, 0 with other counts", same)
+        self.assertIn("4 compared: 0 slower, 0 faster beyond the tolerance, 0 with other counts", same)
         record["rows"][0]["contacts_hash"] = "0"
         os.mkdir(self.path("other"))
         with open(self.path("other/projectile.json"), "w", encoding="utf-8") as file:
@@ -43,6 +43,13 @@ class Experiments(ProgramTest):
         changed = run("experiment", "compare", self.path("results"), self.path("other"))
         self.assertEqual(changed.returncode, 1)
         self.assertIn("OTHER", changed.stdout)
+        self.assertIn("no runs of pipelines, not compared: operations\n", changed.stdout)
+        self.good("experiment", "compare", self.path("results"), self.path("results"))
+        os.remove(self.path("other/operations.json"))
+        for sides, letter in ((("results", "other"), "A"), (("other", "results"), "B")):
+            missing = run("experiment", "compare", *map(self.path, sides))
+            self.assertEqual(missing.returncode, 1)
+            self.assertIn(f"not compared: record operations: only in {letter}\n", missing.stdout)
         self.bad("experiment", "table", "projectile", "--results", self.path("absent"), says="projectile.json")
         self.bad("experiment", "compare", self.path("results"), self.path("absent"), says="absent")
 
