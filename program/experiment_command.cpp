@@ -20,7 +20,7 @@ namespace volccd {
 namespace {
 
 struct TableOptions {
-  std::string name, results = "results", format = "text", output = "-";
+  std::string name, results = kDefaultResults, format = "text", output = "-";
   ReportOptions report;
 };
 
