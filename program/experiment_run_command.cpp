@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <optional>
 
@@ -69,13 +70,13 @@ void check_outputs(const ExperimentOptions& options, const std::string& name, co
   plan.check();
 }
 
-/// Whether the file is a record of a run with --full.
+/// Whether the file is a record of a run with --full. A file that cannot be read is none.
 bool is_full_record(const std::string& file) {
-  if (!std::filesystem::exists(file)) return false;
-  const nlohmann::json record = read_json_file(file);
+  const nlohmann::json record = nlohmann::json::parse(std::ifstream(file), nullptr, false);
   if (record.is_object()) return record.value("/provenance/setting"_json_pointer, "") == "full";
   if (!record.is_array()) return false;
   return std::any_of(record.begin(), record.end(), [](const nlohmann::json& scene) {  // of `scenes`
+    if (!scene.is_object()) return false;
     const SimulatedScene* known = find_simulated_scene(scene.value("scene", ""));
     return known && scene.value("/simulation/elements"_json_pointer, 0) > known->quick_elements;
   });
