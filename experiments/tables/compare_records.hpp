@@ -8,8 +8,8 @@
 
 namespace volccd {
 
-/// An entrant of one record: its rows have the same table, scene, motion model, edges, shells, mesh, pipeline, variant,
-/// threads and separation. All other columns are measured, or number steps and rounds.
+/// The comparison of two folders, A and B. The rows of an entrant have the same table, scene, motion model, edges,
+/// shells, mesh, pipeline, variant, threads and separation; all other columns are measured, or number steps and rounds.
 struct RecordComparison {
   TextTable table;           ///< entrants that differ
   std::size_t compared = 0;  ///< entrants that both folders have
