@@ -178,6 +178,7 @@ void Registry::unknown(const char* what, const std::string& name, const std::str
 void Registry::add_pipeline(PipelineSpec spec) {
   for (const PipelineSpec& other : pipelines_)
     if (other.name == spec.name) throw ConfigError(fmt::format("a pipeline '{}' is registered already", spec.name));
+  resolved(spec);
   pipelines_.push_back(std::move(spec));
 }
 
@@ -191,13 +192,17 @@ PipelineSpec Registry::resolved(PipelineSpec spec) const {
   const auto fill = [](const std::vector<OptionInfo>& known, StageChoice& choice) {
     for (const OptionInfo& option : known) choice.options.try_emplace(option.name, option.default_value);
   };
-  fill(stage<BroadPhase>(spec.broad_phase.name).options, spec.broad_phase);
-  for (StageChoice& choice : spec.element_culling) fill(stage<ElementCulling>(choice.name).options, choice);
-  fill(stage<Assignment>(spec.assignment.name).options, spec.assignment);
-  if (spec.orphans) fill(stage<OrphanSource>(spec.orphans->name).options, *spec.orphans);
-  if (spec.flood) fill(stage<Flood>(spec.flood->name).options, *spec.flood);
-  for (StageChoice& choice : spec.feature_filters) fill(stage<FeatureFilter>(choice.name).options, choice);
-  fill(stage<NarrowPhase>(spec.narrow_phase.name).options, spec.narrow_phase);
+  try {
+    fill(stage<BroadPhase>(spec.broad_phase.name).options, spec.broad_phase);
+    for (StageChoice& choice : spec.element_culling) fill(stage<ElementCulling>(choice.name).options, choice);
+    fill(stage<Assignment>(spec.assignment.name).options, spec.assignment);
+    if (spec.orphans) fill(stage<OrphanSource>(spec.orphans->name).options, *spec.orphans);
+    if (spec.flood) fill(stage<Flood>(spec.flood->name).options, *spec.flood);
+    for (StageChoice& choice : spec.feature_filters) fill(stage<FeatureFilter>(choice.name).options, choice);
+    fill(stage<NarrowPhase>(spec.narrow_phase.name).options, spec.narrow_phase);
+  } catch (const ConfigError& error) {
+    throw ConfigError(fmt::format("pipeline {}: {}", spec.name, error.what()));
+  }
   return spec;
 }
 

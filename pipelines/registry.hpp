@@ -53,7 +53,7 @@ class Registry {
     check_new(descriptor.name);
     std::get<Stages<Stage>>(stages_).push_back(std::move(descriptor));
   }
-  /// Adds a pipeline. Throws ConfigError if another pipeline has this name.
+  /// Adds a pipeline. Throws ConfigError if another pipeline has this name, or if one of its stages is not registered.
   void add_pipeline(PipelineSpec spec);
 
   /// The registered stages of one role. Stage is BroadPhase, ElementCulling, Assignment, OrphanSource, Flood,
@@ -72,8 +72,8 @@ class Registry {
   const PipelineSpec& pipeline(const std::string& name) const { return find("pipeline", pipelines_, name); }
   /// The pipeline with this name, changed by the settings in their order (apply_setting). Throws ConfigError.
   PipelineSpec pipeline(const std::string& name, std::span<const std::string> settings) const;
-  /// The same specification with every option of its stages, including defaults. Throws ConfigError for an unknown
-  /// stage or option.
+  /// The same specification with every option of its stages, including defaults. Throws ConfigError, with the
+  /// names of pipeline and stage, for an unknown stage.
   PipelineSpec resolved(PipelineSpec spec) const;
 
   /// Changes a spec by one setting in the syntax of `--set`. Throws ConfigError.

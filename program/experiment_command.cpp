@@ -20,7 +20,7 @@ namespace volccd {
 namespace {
 
 struct TableOptions {
-  std::string name, results = "results", format = "text", output = "-";
+  std::string name, results = kDefaultResults, format = "text", output = "-";
   ReportOptions report;
 };
 
@@ -79,13 +79,18 @@ int compare(const CompareOptions& options) {
                                       {"faster", result.faster},
                                       {"other_counts", result.other_counts},
                                       {"single", result.single},
+                                      {"only_on_one_side", result.only_on_one_side},
+                                      {"without_times", result.without_times},
                                       {"differences", to_json(result.table)}});
   if (result.slower + result.faster + result.other_counts > 0) report.print("{}\n", result.table.text());
-  report.print("{} compared: {} slower, {} faster beyond the spread, {} with other counts\n", result.compared,
+  report.print("{} compared: {} slower, {} faster beyond the tolerance, {} with other counts\n", result.compared,
                result.slower, result.faster, result.other_counts);
   if (result.single > 0)
-    report.print("{} with a single round: their spread is unknown, and their times are not compared\n", result.single);
-  return result.slower + result.other_counts > 0 ? kDifferent : kDone;
+    report.print("{} with a single round: their tolerance is {:.0f} %\n", result.single, 100 * kMaxTimeTolerance);
+  if (!result.without_times.empty())
+    report.print("no runs of pipelines, not compared: {}\n", fmt::join(result.without_times, ", "));
+  for (const std::string& what : result.only_on_one_side) report.print("not compared: {}\n", what);
+  return result.slower + result.other_counts + result.only_on_one_side.size() > 0 ? kDifferent : kDone;
 }
 
 void add_table_command(CLI::App& command, Action& action) {
@@ -105,11 +110,13 @@ void add_table_command(CLI::App& command, Action& action) {
 void add_compare_command(CLI::App& command, Action& action) {
   const auto options = std::make_shared<CompareOptions>();
   CLI::App* compare_command = command.add_subcommand(
-      "compare", "compares two folders of records: changes greater than the spread of the rounds");
+      "compare", "compares two folders of records: times beyond the spread of the rounds, and counts");
   compare_command->add_option("A", options->a, "folder of the earlier records")->required();
   compare_command->add_option("B", options->b, "folder of the later records")->required();
   compare_command->footer(
-      "Exit code 1 if anything is slower by more than the spread of its rounds and 3 %, or if counts differ.\n"
+      "Exit code 1 if anything is slower by more than its tolerance, if counts differ, or if one folder alone has a "
+      "record, an entrant or a step. The tolerance is the spread of the rounds, at least 3 % and at most 25 %; with a "
+      "single round it is 25 %.\n"
       "Example:\n  volccd experiment compare results/ build/results/");
   options->report.add_to(*compare_command);
   compare_command->callback([options, &action] { action = [options] { return compare(*options); }; });

@@ -12,6 +12,9 @@ inline constexpr const char* kScenesExperiment = "scenes";
 inline constexpr const char* kScenesDescription =
     "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)";
 
+/// The folder of records that `run` writes and `table` reads by default. The repository keeps its records in results/.
+inline constexpr const char* kDefaultResults = "build/results";
+
 /// The experiment of the catalog with this name, or null.
 const ExperimentKind* find_kind(const std::string& name);
 

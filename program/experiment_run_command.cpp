@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <optional>
 
@@ -31,7 +32,7 @@ namespace {
 
 struct ExperimentOptions {
   std::vector<std::string> names, pipelines, settings;
-  std::string output = "results";
+  std::string output = kDefaultResults;
   bool quick = false, full = false, skip_complete = false;
   std::optional<unsigned> threads;
   ReportOptions report;
@@ -67,6 +68,29 @@ void check_outputs(const ExperimentOptions& options, const std::string& name, co
        {".json", ".txt", ".incomplete.json", ".incomplete.txt", ".incomplete.jsonl", ".incomplete.old.jsonl"})
     plan.output("-o", record_file(options, name, suffix));
   plan.check();
+}
+
+/// Whether the file is a record of a run with --full. A file that cannot be read is none.
+bool is_full_record(const std::string& file) {
+  const nlohmann::json record = nlohmann::json::parse(std::ifstream(file), nullptr, false);
+  if (record.is_object()) return record.value("/provenance/setting"_json_pointer, "") == "full";
+  if (!record.is_array()) return false;
+  return std::any_of(record.begin(), record.end(), [](const nlohmann::json& scene) {  // of `scenes`
+    if (!scene.is_object()) return false;
+    const SimulatedScene* known = find_simulated_scene(scene.value("scene", ""));
+    return known && scene.value("/simulation/elements"_json_pointer, 0) > known->quick_elements;
+  });
+}
+
+/// Hours of measurements are not replaced by minutes. Called before anything is measured.
+void keep_full_record(const ExperimentOptions& options, const std::string& name) {
+  const bool full = name == kScenesExperiment ? !options.quick : options.full;
+  const std::string file = record_file(options, name, ".json");
+  if (full || !is_full_record(file)) return;
+  throw ConfigError(
+      fmt::format("-o {}: {} is the record of a full run, which a quick run does not replace; give another "
+                  "folder, or remove the file",
+                  options.output, file));
 }
 
 /// Prints the tables, and writes them and the record. An incomplete record never replaces a complete one of another
@@ -281,6 +305,7 @@ int run(const ExperimentOptions& options, const Registry& registry) {
     check_options(find_kind(name), name, options);
     jobs.emplace_back(name, options);
   }
+  for (const auto& [name, own] : jobs) keep_full_record(own, name);
   Finished finished;
   int code = kDone;  // if contacts differ in one experiment, the next one still runs
   for (const auto& [name, own] : jobs) {
@@ -298,10 +323,9 @@ constexpr const char* kRunFooter =
     ".txt have the complete scenes); an earlier record is unchanged until then.\n"
     "Exit code 1 if pipelines that must find the same contacts found different ones.\n"
     "Examples:\n"
-    "  volccd experiment run projectile --quick -o results/\n"
-    "  volccd experiment run projectile --pipelines BruteForce -o results/\n"
-    "  volccd experiment run table1 --quick -o results/\n"
-    "  volccd experiment run ablation --pipelines VolCCD,VolCCD+ --set csat.axis=face,centroid -o results/\n"
+    "  volccd experiment run projectile --quick\n"
+    "  volccd experiment run projectile --pipelines BruteForce -o build/brute-force\n"
+    "  volccd experiment run ablation --pipelines VolCCD,VolCCD+ --set csat.axis=face,centroid\n"
     "  volccd experiment run all --full --skip-complete -o results/";
 
 }  // namespace
@@ -321,7 +345,10 @@ void add_experiment_run_command(CLI::App& experiment, const Registry& registry, 
                    "may be repeated")
       ->type_name("SETTING")
       ->allow_extra_args(false);
-  run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();
+  run_command
+      ->add_option("-o,--output", options->output,
+                   "folder for tables and records; a quick run does not replace the record of a full one")
+      ->capture_default_str();
   run_command->add_flag("--quick", options->quick,
                         "takes minutes: small scenes, few steps, one round (the default of experiments with rounds)");
   run_command

@@ -10,6 +10,7 @@ These data are kept if the source has them:
   objects      array PartId, PART_ID, ..; Gmsh physical groups, Nastran property ids, groups of .obj, element sets of Abaqus
                (numbered from 1 in the order of the file)
   velocities   array Velocity, ..; as point vectors
+  displacement only as --displacement says: files do not tell whether their points are displaced already
   thickness    array Thickness, ..; per cell
 With point ids, files may list points in different orders, and may have different points. In a frame without a certain
 point, the point is written at its last (or else its first) position, and no cell uses it. With cell ids, files may have
@@ -19,7 +20,8 @@ Cells whose nodes repeat (a wedge as a hexahedron, a triangle as a quad) are wri
 elements that they represent. A cell with too few distinct nodes for any element is an error.
 
 Lines and single vertices are left out, and so are triangles and quads that are faces of volume cells (--keep-faces keeps
-them). Higher-order cells, polygons and polyhedra are errors.
+them). Higher-order cells, polygons and polyhedra are errors, and so are Abaqus decks with more than one part or instance,
+with an instance that is moved, or with generated nodes or elements.
 
 Examples:
   import_sequence.py block.msh -o block.vtkhdf                        one frame
@@ -99,6 +101,8 @@ def parse_arguments(arguments):
                        ("velocity", "point array of velocities, or three: vx,vy,vz"),
                        ("thickness", "cell array of shell thickness, or a number for all shells")):
         parser.add_argument(f"--{name}", metavar="NAME", help=f"{text}; 'none': not used; default: by its usual names")
+    parser.add_argument("--displacement", metavar="NAME", help="point array of displacements, or three: ux,uy,uz, which are "
+                        "added to the points; 'none': not added; must be given if an array has a usual name (disp, U, ..)")
     parser.add_argument("--sets", type=lambda text: text.split(","), metavar="A,B,..",
                         help="element sets that are the objects 1, 2, .. (Abaqus)")
     parser.add_argument("--keep-faces", action="store_true", help="keep triangles and quads that are faces of volume cells")

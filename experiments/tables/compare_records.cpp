@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -20,23 +21,45 @@ namespace {
 /// One step of an entrant: seconds of all rounds, and counts.
 struct Samples {
   std::vector<double> seconds;
+  std::set<int> rounds;
   double tests = 0;
   std::string contacts;
 };
 using Entrants = std::map<std::string, std::map<int, Samples>>;
 
-Entrants entrants_of(const json& record) {
+/// What distinguishes an entrant from the others, without the values that most entrants have.
+std::string entrant_of(const json& row) {
+  std::string name;
+  const auto append = [&](const std::string& word) { name += (name.empty() ? "" : " ") + word; };
+  constexpr std::pair<const char*, const char*> kColumns[] = {
+      {"table", ""},         {"scene", ""},     {"motion_model", "linear"}, {"edges", "triangulated"},
+      {"shells", "surface"}, {"mesh", "whole"}, {"pipeline", ""},           {"variant", ""}};
+  for (const auto& [column, usual] : kColumns)
+    if (const std::string value = row.at(column); value != usual) append(value);
+  append(fmt::format("threads={}", row.at("threads").get<unsigned>()));
+  if (const double separation = row.at("separation"); separation != 0) append(fmt::format("separation={}", separation));
+  return name;
+}
+
+Entrants entrants_of(const std::string& file) {
   Entrants entrants;
-  for (const json& row : record.at("rows")) {
-    std::string key;
-    for (const char* column : {"table", "scene", "motion_model", "edges", "pipeline", "variant"}) {
-      const std::string value = row.at(column);
-      if (!value.empty()) key += (key.empty() ? "" : " ") + value;
+  const json record = read_record(file);
+  std::int64_t index = 0;
+  try {
+    for (const json& row : record.at("rows")) {
+      const std::string key = entrant_of(row);
+      const int step = row.at("motion"), round = row.at("round");
+      Samples& samples = entrants[key][step];
+      if (!samples.rounds.insert(round).second)
+        throw InputError(file, "rows", index,
+                         fmt::format("is a second row of {}, step {}, round {}", key, step, round));
+      samples.seconds.push_back(row.at("seconds").get<double>() + row.at("topology_seconds").get<double>());
+      samples.tests = row.at("vf_tests").get<double>() + row.at("ee_tests").get<double>();
+      samples.contacts = row.at("contacts_hash").get<std::string>();
+      ++index;
     }
-    Samples& samples = entrants[key][row.at("motion").get<int>()];
-    samples.seconds.push_back(row.at("seconds").get<double>() + row.at("topology_seconds").get<double>());
-    samples.tests = row.at("vf_tests").get<double>() + row.at("ee_tests").get<double>();
-    samples.contacts = row.at("contacts_hash").get<std::string>();
+  } catch (const json::exception& error) {
+    throw InputError(file, "rows", index, fmt::format("is not a run of a pipeline: {}", error.what()));
   }
   return entrants;
 }
@@ -54,17 +77,18 @@ bool has_timed_rows(const json& record) {
   return rows != record.end() && !rows->empty() && rows->front().contains("contacts_hash");
 }
 
-std::vector<std::string> records_in(const std::string& folder) {
-  std::vector<std::string> names;
+/// The names of all records in the folder, and whether they have times.
+std::map<std::string, bool> records_in(const std::string& folder) {
+  std::map<std::string, bool> records;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const json record = entry.path().extension() == ".json" ? read_json_file(entry.path().string()) : json();
-    if (record.is_object() && record.value("schema", 0) == kRecordSchema && has_timed_rows(record))
-      names.push_back(entry.path().filename().string());
+    if (entry.path().extension() != ".json") continue;
+    const json record = read_json_file(entry.path().string());
+    records[entry.path().stem().string()] =
+        record.is_object() && record.value("schema", 0) == kRecordSchema && has_timed_rows(record);
   }
   if (error) throw InputError(folder, "", "cannot be read: " + error.message());
-  std::sort(names.begin(), names.end());
-  return names;
+  return records;
 }
 
 /// An entrant on the steps that both sides have.
@@ -73,12 +97,15 @@ struct Change {
   double before = 0, after = 0;       ///< seconds, sums over steps
   double spread_a = 0, spread_b = 0;  ///< sums over steps
   bool same_counts = true;
-  bool judged = true;  ///< both sides have several rounds: the spread is known
+  bool single = false;  ///< a side has one round: the spread is unknown
 
   double ratio() const { return after / before; }
-  double tolerance() const { return std::max(0.03, std::max(spread_a, spread_b) / static_cast<double>(steps)); }
-  bool slower() const { return judged && ratio() > 1 + tolerance(); }
-  bool faster() const { return judged && ratio() < 1 / (1 + tolerance()); }
+  double tolerance() const {
+    const double spread = std::max(spread_a, spread_b) / static_cast<double>(steps);
+    return single ? kMaxTimeTolerance : std::clamp(spread, kMinTimeTolerance, kMaxTimeTolerance);
+  }
+  bool slower() const { return ratio() > 1 + tolerance(); }
+  bool faster() const { return ratio() < 1 / (1 + tolerance()); }
 };
 
 Change change_of(const std::map<int, Samples>& a, const std::map<int, Samples>& b) {
@@ -91,25 +118,40 @@ Change change_of(const std::map<int, Samples>& a, const std::map<int, Samples>& 
     change.before += median(before.seconds), change.after += median(after.seconds);
     change.spread_a += spread(before), change.spread_b += spread(after);
     change.same_counts &= before.tests == after.tests && before.contacts == after.contacts;
-    change.judged &= before.seconds.size() > 1 && after.seconds.size() > 1;
+    change.single |= before.seconds.size() == 1 || after.seconds.size() == 1;
   }
   return change;
+}
+
+/// Notes the keys that one side has alone.
+template <class Map>
+void note_missing(const Map& a, const Map& b, const std::string& what, RecordComparison& result) {
+  const auto note = [&](const Map& here, const Map& there, const char* side) {
+    std::vector<std::string> missing;
+    for (const auto& [key, value] : here)
+      if (!there.contains(key)) missing.push_back(fmt::format("{}", key));
+    if (!missing.empty())
+      result.only_on_one_side.push_back(fmt::format("{}{}: only in {}", what, fmt::join(missing, ", "), side));
+  };
+  note(a, b, "A");
+  note(b, a, "B");
 }
 
 void compare(const std::string& name, const Entrants& a, const Entrants& b, RecordComparison& result) {
   for (const auto& [key, steps] : a) {
     const auto other = b.find(key);
     if (other == b.end()) continue;
+    note_missing(steps, other->second, fmt::format("{}, {}, steps ", name, key), result);
     const Change change = change_of(steps, other->second);
-    if (change.steps == 0 || change.before <= 0) continue;
+    if (change.steps == 0) continue;
     const bool slower = change.slower(), faster = change.faster();
     ++result.compared;
     result.slower += slower, result.faster += faster, result.other_counts += !change.same_counts;
-    result.single += !change.judged;
+    result.single += change.single;
     if (!slower && !faster && change.same_counts) continue;
     const auto ms = [&](double seconds) { return fmt::format("{:.3g}", 1e3 * seconds / double(change.steps)); };
     result.table.add({name, key, ms(change.before), ms(change.after), fmt::format("{:.3f}", change.ratio()),
-                      change.judged ? fmt::format("{:.1f} %", 100 * change.tolerance()) : "-",
+                      fmt::format("{:.1f} %", 100 * change.tolerance()),
                       slower   ? "slower"
                       : faster ? "faster"
                                : "-",
@@ -120,14 +162,22 @@ void compare(const std::string& name, const Entrants& a, const Entrants& b, Reco
 }  // namespace
 
 RecordComparison compare_records(const std::string& folder_a, const std::string& folder_b) {
-  RecordComparison result{TextTable({"record", "entrant", "ms, A", "ms, B", "B/A", "spread", "time", "counts"})};
-  const std::vector<std::string> in_b = records_in(folder_b);
-  for (const std::string& name : records_in(folder_a)) {
-    if (std::find(in_b.begin(), in_b.end(), name) == in_b.end()) continue;
+  RecordComparison result{TextTable({"record", "entrant", "ms, A", "ms, B", "B/A", "tolerance", "time", "counts"})};
+  const std::map<std::string, bool> in_a = records_in(folder_a), in_b = records_in(folder_b);
+  note_missing(in_a, in_b, "record ", result);
+  for (const auto& [name, timed] : in_a) {
+    const auto other = in_b.find(name);
+    if (other == in_b.end()) continue;
+    if (!timed && !other->second) result.without_times.push_back(name);
+    if (timed != other->second)
+      result.only_on_one_side.push_back(fmt::format("rows of {}: only in {}", name, timed ? "A" : "B"));
+    if (!timed || !other->second) continue;
     const auto entrants = [&](const std::string& folder) {
-      return entrants_of(read_record((std::filesystem::path(folder) / name).string()));
+      return entrants_of((std::filesystem::path(folder) / (name + ".json")).string());
     };
-    compare(std::filesystem::path(name).stem().string(), entrants(folder_a), entrants(folder_b), result);
+    const Entrants a = entrants(folder_a), b = entrants(folder_b);
+    note_missing(a, b, name + ", entrants ", result);
+    compare(name, a, b, result);
   }
   if (result.compared == 0)
     throw InputError(folder_b, "",

@@ -8,19 +8,27 @@
 
 namespace volccd {
 
+/// The comparison of two folders, A and B. The rows of an entrant have the same table, scene, motion model, edges,
+/// shells, mesh, pipeline, variant, threads and separation; all other columns are measured, or number steps and rounds.
 struct RecordComparison {
-  TextTable table;
-  std::size_t compared = 0;  ///< entrants and scenes that both folders have
-  std::size_t slower = 0;    ///< of those, slower by more than the spread and 3 %
+  TextTable table;           ///< entrants that differ
+  std::size_t compared = 0;  ///< entrants that both folders have
+  std::size_t slower = 0;    ///< of those, slower by more than the tolerance
   std::size_t faster = 0;
-  std::size_t single = 0;        ///< with one round on a side: the spread is unknown; times are not compared
-  std::size_t other_counts = 0;  ///< with different tests or contacts on the same step
+  std::size_t single = 0;                          ///< with one round on a side
+  std::size_t other_counts = 0;                    ///< with different tests or contacts on the same step
+  std::vector<std::string> only_on_one_side = {};  ///< records, entrants and steps, with the side that has them
+  std::vector<std::string> without_times = {};     ///< records in both folders whose rows are not runs of pipelines
 };
 
-/// Compares the records of the same name in both folders, entrant by entrant (table, scene, motion model, edges,
-/// pipeline, variant), on the steps that both have; records whose rows are not runs of pipelines are left out. The
-/// spread of an entrant is the mean over steps of (greatest - smallest) / median over rounds, the greater one of both
-/// sides. Throws InputError for folders without a common record, and for an invalid record.
+/// Least and greatest tolerance of times.
+inline constexpr double kMinTimeTolerance = 0.03, kMaxTimeTolerance = 0.25;
+
+/// Compares the records of the same name in both folders, entrant by entrant, by the sum over the steps that both have
+/// of the median over rounds. The tolerance of an entrant is the spread of its rounds, but within the two bounds, and
+/// the greatest with a single round: greater changes are always seen. The spread is the mean over steps of (greatest -
+/// smallest) / median over rounds, the greater one of both sides. Throws InputError for folders without a common
+/// entrant, for an invalid record, and for two rows that have the same entrant, step and round.
 RecordComparison compare_records(const std::string& folder_a, const std::string& folder_b);
 
 }  // namespace volccd

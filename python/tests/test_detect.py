@@ -106,6 +106,44 @@ def test_objects_and_filters(falling):
         volccd.detect(*falling, pairs="some")
 
 
+NUMBERS = [  # arguments of which a part would be lost by a cast or a broadcast, and what the message says
+    (dict(objects=[0, 2**32]), r"objects\[1\]: 4294967296 is not within"),
+    (dict(objects=[0, 2**70]), r"objects\[1\]: 1180591620717411303424 is not within"),
+    (dict(objects=np.array([0, 2**31], np.uint64)), r"objects\[1\]: 2147483648 is not within"),
+    (dict(objects=[1.0, 1.9]), r"objects\[1\]: 1.9 is not an integer"),
+    (dict(objects=[np.nan, 1]), r"objects\[0\]: nan is not an integer"),
+    (dict(objects=[np.inf, 1]), r"objects\[0\]: inf is not within"),
+    (dict(objects=[0]), r"objects: has the shape \(1,\) instead of \(2,\)"),
+    (dict(objects=[[0, 1]]), r"objects: has the shape \(1, 2\)"),
+    (dict(objects=[True, False]), "objects: values of type bool"),
+    (dict(objects=["0", "1"]), "objects: values of type <U1"),
+    (dict(objects=[0, None]), r"objects\[1\]: None is not a number"),
+    (dict(ids=[0.5, 1.5]), r"ids\[0\]: 0.5 is not an integer"),
+    (dict(ids=[0, 2.0**63]), r"ids\[1\]: 9.2\d+e\+18 is not within"),
+    (dict(exclude=[(0, 1), (1.5, 2)]), r"exclude\[1, 0\]: 1.5 is not an integer"),
+    (dict(exclude=[0, 1]), r"exclude: has the shape \(2,\)"),
+    (dict(thickness=[True, True]), "thickness: values of type bool"),
+    (dict(thickness=["0.1", "0.2"]), "thickness: values of type <U3"),
+    (dict(thickness=[0.1]), r"thickness: has the shape \(1,\) instead of \(2,\)"),
+    (dict(middle=POINTS + 1j), "middle: values of type complex128"),
+]
+
+
+@pytest.mark.parametrize("wrong, says", NUMBERS, ids=[says for _, says in NUMBERS])
+def test_numbers_that_do_not_fit_are_refused(falling, wrong, says):
+    with pytest.raises(volccd.InputError, match=says):
+        volccd.detect(*falling, pairs="inter", **wrong)
+
+
+def test_exact_integers_of_any_type_are_accepted(falling):
+    expected = len(volccd.detect(*falling))
+    for objects in (np.array([0, 1], np.uint64), [0.0, 1.0], np.array([0, 1], np.float32), [-2**31, 2**31 - 1]):
+        assert len(volccd.detect(*falling, objects=objects, ids=objects, pairs="inter")) == expected
+    assert len(volccd.detect(falling[0], falling[1], falling[2].astype(float))) == expected
+    with pytest.raises(volccd.ConfigError, match="threads: 1.5"):
+        volccd.detect(*falling, threads=1.5)
+
+
 def test_initial_overlaps():
     points = np.concatenate([CUBE, CUBE * 0.5 + 0.25])
     cells = {"hexahedron": [list(range(8)), list(range(8, 16))]}
@@ -196,6 +234,22 @@ def test_detector_edits(falling):
     assert detector.step(points0, points1).contacts["vertices"].max() == 8
 
 
+def test_edit_removes_by_ids_or_mask(falling):
+    for remove, left in (([False, True], [7, -1]), (np.array([True, False]), [-1, 9]), ([7.0], [-1, 9]), (9, [7, -1]),
+                         ([], [7, 9]), ([False, False], [7, 9])):
+        detector = volccd.Detector(falling[2], ids=[7, 9])
+        detector.edit(remove=remove)
+        assert detector.element_ids.tolist() == left
+    with pytest.raises(volccd.InputError, match=r"remove: the mask has the shape \(1,\) instead of \(2,\)"):
+        detector.edit(remove=[True])
+    with pytest.raises(volccd.InputError, match=r"remove\[0\]: 0.9 is not an integer"):
+        detector.edit(remove=[0.9])
+    detector.edit(remove=[False, True])
+    with pytest.raises(volccd.InputError, match=r"remove\[1\]: the mask selects an empty slot"):
+        detector.edit(remove=[False, True])
+    assert detector.element_ids.tolist() == [7, -1]
+
+
 def test_refused_edit_changes_nothing(falling):
     detector = volccd.Detector(falling[2])
     expected = detector.step(*falling[:2]).contacts.copy()
@@ -236,11 +290,19 @@ def test_errors_have_their_categories(falling):
     [[0, 1, 2, 99]], [[0, 1, 2, -1]], [[0, 1, 2, 2]], [[0, 1]], [[0.5, 1, 2, 3]],
     [("octahedron", [[0]])], {"tetra": [[0, 1, 2]]},
     volccd.vtk_cells([0, 1, 2, 3], [0, 5], [10]), volccd.vtk_cells([0, 1, 2, 3], [0, 4, 4], [10]),
-    volccd.vtk_cells([0, 1, 2, 3], [0, 4], [7]), [("polyhedron", [[[0, 1, 2], [0, 1, 3]]])],
+    volccd.vtk_cells([0, 1, 2, 3], [0, 4], [7]), [(10.5, [[0, 1, 2, 3]])], [("polyhedron", [[[0, 1, 2], [0, 1, 3]]])],
 ])
 def test_bad_cells(cells):
     with pytest.raises(volccd.InputError):
         volccd.detect(POINTS, POINTS, cells)
+
+
+def test_cell_types_are_not_wrapped():
+    with pytest.raises(volccd.InputError, match=r"types\[0\]: 266 is not within 0 .. 255"):
+        volccd.vtk_cells([0, 1, 2, 3], [0, 4], [266])
+    cells = volccd.vtk_cells([0, 1, 2, 3], [0, 4], [10])
+    with pytest.raises(volccd.InputError, match=r"offsets\[1\]: 4.5 is not an integer"):
+        volccd.detect(POINTS, POINTS, {**cells, "offsets": [0, 4.5]})
 
 
 def test_no_cells():

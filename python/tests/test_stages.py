@@ -218,8 +218,11 @@ def test_registration():
     assert row["options"]["padding"] == {"default": "0.0", "allowed": "a number", "description": "widens the boxes"}
     volccd.add_pipeline("Mine", settings=["element-culling=python-boxes", "python-boxes.padding=0.5"])
     assert "Mine" in volccd.pipelines()
-    with pytest.raises(volccd.ConfigError):
-        volccd.unregister("python-boxes")  # the pipeline Mine needs it
+    with pytest.raises(volccd.ConfigError, match="pipeline Mine: no stage 'python-boxes'"):
+        volccd.unregister("python-boxes")
+    with pytest.raises(volccd.ConfigError, match="pipeline Yours: no stage 'python-bxoes'"):
+        volccd.add_pipeline("Yours", settings="element-culling=python-bxoes")
+    assert "Yours" not in volccd.pipelines()
     volccd.unregister("Mine"), volccd.unregister("python-boxes")
     assert "Mine" not in volccd.pipelines()
 

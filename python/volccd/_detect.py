@@ -10,8 +10,11 @@ from . import _core, _meshes
 def _options(pipeline, settings, threads, separation, pairs, exclude, lists="off"):
     if isinstance(settings, str):
         settings = [settings]
-    if not 0 <= threads < 2**32:
+    if not 0 <= threads < 2**32 or threads != int(threads):
         raise _core.ConfigError(f"threads: {threads} is not a number of threads; 0: as many as the machine has")
+    exclude = _meshes.numbers_of(list(exclude), "exclude", np.int32)
+    if exclude.size and (exclude.ndim != 2 or exclude.shape[1] != 2):
+        raise _core.InputError(f"exclude: has the shape {exclude.shape} instead of (n, 2), pairs of objects")
     return {"pipeline": pipeline, "settings": list(settings), "threads": int(threads), "separation": float(separation),
             "pairs": pairs, "exclude": [(int(a), int(b)) for a, b in exclude],
             "lists": lists if isinstance(lists, str) else tuple(float(x) for x in lists)}
@@ -27,7 +30,8 @@ class Detector:
     vertices : int, optional
         How many points a step has. Default: the largest vertex number of the cells, plus 1.
     objects : int array (n,), optional
-        The object that each element belongs to; default: 0.
+        The object that each element belongs to; default: 0. Wherever integers are expected, floats that are exact
+        integers of that range count, as files have them; everything else raises InputError.
     ids : int array (n,), optional
         Distinct ids of the elements, by which `edit` names them; default: 0, 1, 2, ...
     thickness : float or float array (n,), optional
@@ -67,9 +71,7 @@ class Detector:
         n = len(arrays["types"])
         if vertices is None:
             vertices = _meshes.vertex_count(arrays)
-        if thickness is not None:
-            thickness = np.ascontiguousarray(np.broadcast_to(np.asarray(thickness, float), (n,)))
-        self._core = _core.Detector(arrays, vertices, thickness, edges,
+        self._core = _core.Detector(arrays, vertices, _meshes.thickness_of(thickness, arrays), edges,
                                     _options(pipeline, settings, threads, separation, pairs, exclude, lists))
         self._next_id = int(arrays["ids"].max()) + 1 if n else 0
 
@@ -92,21 +94,25 @@ class Detector:
 
         Returns a `volccd.Result`. Ctrl-C ends the step with KeyboardInterrupt; the Detector can be used again.
         """
+        points0, points1 = _meshes.points_of(points0, "points0"), _meshes.points_of(points1, "points1")
+        middle = None if middle is None else _meshes.points_of(middle, "middle")
         return self._core.step(points0, points1, middle, first, initial_overlaps, t_max, ends)
 
     def edit(self, remove=(), add=(), *, new_vertices=0, objects=None, ids=None, thickness=None):
         """Changes the mesh between two steps; stages follow the change instead of starting anew.
 
-        First the elements with the ids `remove` go, then `new_vertices` points are appended, then the cells `add` come,
-        with `objects`, `ids` (default: numbers not used before) and, where the Detector has shells, `thickness`. An
-        edit that the mesh does not allow raises InputError and changes nothing. Returns the ids of the added elements.
+        First the elements with the ids `remove` go, or those where `remove`, a bool array by slot as `element_ids`, is
+        True. Then `new_vertices` points are appended, then the cells `add` come, with `objects`, `ids` (default: numbers
+        not used before) and, where the Detector has shells, `thickness`. An edit that the mesh does not allow raises
+        InputError and changes nothing. Returns the ids of the added elements.
         """
         arrays = _meshes.cell_arrays(add, objects, ids, self._next_id)
-        n = len(arrays["types"])
-        if thickness is not None:
-            thickness = np.ascontiguousarray(np.broadcast_to(np.asarray(thickness, float), (n,)))
-        self._core.edit(np.atleast_1d(np.asarray(remove, np.int64)), new_vertices, arrays, thickness)
-        if n:
+        thickness = _meshes.thickness_of(thickness, arrays)
+        remove = np.atleast_1d(np.asarray(remove))
+        if remove.dtype == bool:
+            remove = _meshes.selected(remove, self.element_ids)
+        self._core.edit(_meshes.numbers_of(remove, "remove"), new_vertices, arrays, thickness)
+        if len(arrays["ids"]):
             self._next_id = max(self._next_id, int(arrays["ids"].max()) + 1)
         return arrays["ids"]
 
@@ -210,8 +216,7 @@ def detect(points0, points1, cells=None, pipeline="VolCCD+", separation=0.0, *, 
     """
     if cells is None:
         cells = _meshes.cells_of(points0)
-    points0, points1 = _meshes.points_of(points0), _meshes.points_of(points1)
-    middle = None if middle is None else _meshes.points_of(middle)
+    points0 = _meshes.points_of(points0, "points0")
     detector = Detector(cells, len(points0), objects=objects, ids=ids, thickness=thickness, pipeline=pipeline,
                         separation=separation, threads=threads, settings=settings, pairs=pairs, exclude=exclude,
                         edges=edges)

@@ -515,5 +515,27 @@ TEST(Registry, NamesAreUnique) {
   EXPECT_THROW(own.pipeline("nothing"), ConfigError);
 }
 
+TEST(Registry, APipelineWithAnUnknownStageIsRefused) {
+  Registry own = Registry::standard();
+  for (const char* role :
+       {"broad-phase", "element-culling", "assignment", "orphans", "flood", "feature-filter", "narrow-phase"}) {
+    PipelineSpec spec = own.pipeline("VolCCD+");
+    spec.name = "Mine";
+    own.apply_setting(spec, std::string(role) + "=no-such-stage");
+    try {
+      own.add_pipeline(spec);
+      ADD_FAILURE() << role;
+    } catch (const ConfigError& error) {
+      EXPECT_NE(std::string(error.what()).find("pipeline Mine: no stage 'no-such-stage'"), std::string::npos)
+          << error.what();
+    }
+  }
+  EXPECT_THROW(own.pipeline("Mine"), ConfigError) << "a refused pipeline is not registered";
+  PipelineSpec other_role = own.pipeline("VolCCD");
+  other_role.name = "Other";
+  other_role.element_culling = {{"kdop-bvh"}};
+  EXPECT_THROW(own.add_pipeline(other_role), ConfigError);
+}
+
 }  // namespace
 }  // namespace volccd

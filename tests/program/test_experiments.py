@@ -2,6 +2,8 @@
 
 import json
 import os
+import shutil
+import subprocess
 import unittest
 
 from program_support import EXAMPLE, SOURCE, run, Interruption, ProgramTest
@@ -31,7 +33,7 @@ class Experiments(ProgramTest):
         with open(self.path("results/projectile.txt"), encoding="utf-8") as file:
             self.assertEqual(text, file.read())
         same = self.good("experiment", "compare", self.path("results"), self.path("results"))
-        self.assertIn("4 compared: 0 slower, 0 faster beyond the spread, 0 with other counts", same)
+        self.assertIn("4 compared: 0 slower, 0 faster beyond the tolerance, 0 with other counts", same)
         record["rows"][0]["contacts_hash"] = "0"
         os.mkdir(self.path("other"))
         with open(self.path("other/projectile.json"), "w", encoding="utf-8") as file:
@@ -43,8 +45,38 @@ class Experiments(ProgramTest):
         changed = run("experiment", "compare", self.path("results"), self.path("other"))
         self.assertEqual(changed.returncode, 1)
         self.assertIn("OTHER", changed.stdout)
+        self.assertIn("no runs of pipelines, not compared: operations\n", changed.stdout)
+        self.good("experiment", "compare", self.path("results"), self.path("results"))
+        os.remove(self.path("other/operations.json"))
+        for sides, letter in ((("results", "other"), "A"), (("other", "results"), "B")):
+            missing = run("experiment", "compare", *map(self.path, sides))
+            self.assertEqual(missing.returncode, 1)
+            self.assertIn(f"not compared: record operations: only in {letter}\n", missing.stdout)
         self.bad("experiment", "table", "projectile", "--results", self.path("absent"), says="projectile.json")
         self.bad("experiment", "compare", self.path("results"), self.path("absent"), says="absent")
+
+    def test_a_quick_run_keeps_the_record_of_a_full_one(self):
+        env = {"VOLCCD_DATA": self.path("absent"), "VOLCCD_CACHE": self.path("cache")}
+        folder = self.path("full")
+        shutil.copytree(os.path.join(SOURCE, "results"), folder, ignore=lambda _, names: [
+            name for name in names if not name.endswith((".json", ".txt"))])
+        before = {name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)}
+        for names in (["projectile"], ["projectile", "--quick"], ["culling", "projectile"], ["feature-sets"],
+                      ["scenes", "--quick"], ["all"]):
+            first = names[0] if names[0] != "all" else "projectile"
+            self.bad("experiment", "run", *names, "-o", folder, env=env, says=f"-o {folder}: {folder}/{first}.json is the "
+                     "record of a full run, which a quick run does not replace; give another folder, or remove the file")
+        self.assertEqual({name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)}, before)
+        self.assertFalse(os.path.exists(self.path("cache")))  # nothing was simulated either
+        os.remove(os.path.join(folder, "projectile.json"))
+        for _ in range(2):  # a quick record may be replaced
+            self.good("experiment", "run", "projectile", "--quick", "-o", folder, env=env)
+
+    def test_the_default_folder_is_not_that_of_the_repository(self):
+        for command in ("run", "table"):
+            self.assertIn("=build/results", self.good("experiment", command, "--help"))
+        ignored = subprocess.run(["git", "check-ignore", "-q", "build/results"], cwd=SOURCE, check=False).returncode
+        self.assertIn(ignored, (0, 128))  # 128: not a clone
 
     def test_a_stage_from_outside_the_library_in_a_table(self):
         env = {"VOLCCD_DATA": self.path("absent")}

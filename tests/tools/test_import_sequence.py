@@ -123,6 +123,52 @@ class Importer(unittest.TestCase):
         self.bad(self.path("b.inp", f"*NODE\n{nodes}{cells}*ELSET, ELSET=some, GENERATE\n1, 3, 2\n"),
                  says="element 3 is in 'body' and in 'some'")
 
+    TETRAHEDRON = "1, 0, 0, 0\n2, 1, 0, 0\n** a comment\n3, 0, 1, 0\n", "4, 0, 0, 1\n", "*ELEMENT, TYPE=C3D4\n7, 1, 2, 3, 4\n"
+
+    def test_abaqus_nodes_in_several_blocks_and_files(self):
+        nodes, more, element = self.TETRAHEDRON
+        self.path("more.inc", f"*Node, nset=More\n{more}")
+        for text in (f"*NODE\n{nodes}*NODE, NSET=more\n{more}{element}", f"*NODE\n{nodes}{element}*Node\n{more}",
+                     f"*NODE\n{nodes}*INCLUDE, INPUT=more.inc\n{element}",
+                     f"*Part, name=A\n*Node\n{nodes}*Node\n{more}{element}*End Part\n*Assembly, name=All\n"
+                     "*Instance, name=A-1, part=A\n*End Instance\n*End Assembly\n"):
+            grid = self.good(self.path("a.inp", text))
+            self.assertEqual(grid["Points"][:].tolist(), [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], text)
+            self.assertEqual(grid["PointData/GlobalPointIds"][:].tolist(), [1, 2, 3, 4])
+            self.assertEqual(grid["CellData/GlobalCellIds"][:].tolist(), [7])
+            self.assertEqual(grid["Connectivity"][:].tolist(), [0, 1, 2, 3])
+
+    def test_abaqus_decks_that_mean_another_mesh(self):
+        nodes, more, element = self.TETRAHEDRON
+        part = f"*Part, name=A\n*Node\n{nodes}{more}{element}*End Part\n"
+        for text, says in (
+                (part + "".join(f"*Instance, name=A-{i}, part=A\n*End Instance\n" for i in (1, 2)),
+                 "*Instance: more than one instance: assemblies are not supported; write a deck without them (Abaqus/CAE"),
+                (part + "*Instance, name=A-1, part=A\n 0., 0., 2.\n*End Instance\n", "*Instance: an instance is moved"),
+                (part + part.replace("=A", "=B"), "*Instance: more than one part"),
+                (f"*NODE\n{nodes}*NODE\n{nodes}{more}{element}", "*Node: node 1 is there twice"),
+                (f"*NODE, SYSTEM=C\n{nodes}{more}{element}", "'*NODE, SYSTEM=C' is not supported"),
+                (f"*NODE\n{nodes}{more}{element}*ELCOPY, OLD SET=a\n", "'*ELCOPY, OLD SET=a' is not supported"),
+                ("*INCLUDE, INPUT=none.inc\n", "*Include: no such file"), ("*INCLUDE, INPUT=a.inp\n", "includes itself")):
+            self.bad(self.path("a.inp", text), says=says)
+
+    def test_displacements(self):
+        def file(*names):
+            vectors = "".join(f"VECTORS {name} double\n0 0 0\n0 0 0.5\n0 0 0\n" for name in names)
+            return self.path("a.vtk", "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 double\n"
+                             "0 0 0\n1 0 0\n0 1 0\nCELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\nPOINT_DATA 3\n" + vectors)
+
+        for name in ("disp", "Displacement", "U", "NodeDisplacements", "u_x"):
+            self.bad(file(name), says=f"displacement: the points have '{name}': give --displacement {name} to add it to the "
+                     "points, or --displacement none")
+            self.assertEqual(self.good(file(name), "--displacement", name)["Points"][:, 2].tolist(), [0, 0.5, 0])
+            self.assertIn(f"{name} is added to the points", self.said)
+            self.assertEqual(self.good(file(name), "--displacement", "none")["Points"][:, 2].tolist(), [0, 0, 0])
+        self.bad(file("disp", "U"), says="'disp', 'U': give --displacement NAME")
+        self.good(file("U"), "--velocity", "U")
+        self.good(file("dispersion", "Normals"))
+        self.bad(file("disp"), "--displacement", "d", says="displacement: no array 'd'; there is: disp")
+
     def test_nastran(self):
         self.check_boxes(self.good(*data("boxes.bdf")), (1, 2))
 
@@ -240,8 +286,6 @@ class Importer(unittest.TestCase):
         self.bad(self.path("c.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\n"), says="cells[0]: has 2 distinct vertices")
         self.bad(self.path("d.inp", "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=S3\n7, 1, 2, 3\n7, 3, 2, 1\n"),
                  says="cell ids[1]: 7 is there twice")
-        self.bad(self.path("e.inp", "*NODE\n1, 0, 0, 0\n*NODE\n2, 1, 0, 0\n3, 0, 1, 0\n4, 1, 1, 0\n"
-                                    "*ELEMENT, TYPE=S3\n1, 2, 3, 4\n"), says="nodes: the file has 4, meshio reads 3")
 
     def read(self, file):
         with open(file, "rb") as stream:

@@ -23,6 +23,63 @@ VTK_51_TYPES = {b"vtkIdType": b"vtktypeint32", b"int": b"vtktypeint32", b"unsign
                 b"unsigned_short": b"vtktypeuint16"}
 
 
+# Keywords of Abaqus that make or move nodes and elements, and that meshio ignores.
+ABAQUS_UNREAD = {"SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"}
+
+
+def abaqus_keyword(line):
+    """NODE for *Node, NSET=..; "" for a line of data."""
+    return line[1:].split(",")[0].strip().upper() if line.startswith("*") else ""
+
+
+def abaqus_lines(file, parents=()):
+    """The lines of an Abaqus deck without comments and blank lines, with those of the files that it includes."""
+    if file in parents:
+        raise BadInput(file, "*Include", "the file includes itself")
+    with open(file, encoding="utf-8", errors="replace") as stream:
+        for line in map(str.strip, stream):
+            if abaqus_keyword(line) != "INCLUDE":
+                if line and not line.startswith("**"):
+                    yield line
+                continue
+            name = os.path.join(os.path.dirname(file), line.split("=")[-1].strip().strip('"'))
+            if not os.path.isfile(name):
+                raise BadInput(file, "*Include", f"no such file: {name}")
+            yield from abaqus_lines(name, (*parents, file))
+
+
+def abaqus_deck(file):
+    """The deck for meshio, which keeps the last *Node block only: all nodes are in the first one. Decks that mean another
+    mesh than their nodes and elements are errors."""
+    lines, nodes, first, instances, parts, keyword = [], {}, None, 0, 0, ""
+    for line in abaqus_lines(file):
+        if line.startswith("*"):
+            keyword = abaqus_keyword(line)
+            instances += keyword == "INSTANCE"
+            parts += keyword == "PART"
+            if keyword in ABAQUS_UNREAD or (keyword == "NODE" and re.search(r",\s*(SYSTEM|INPUT)\s*=", line, re.IGNORECASE)):
+                raise BadInput(file, "", f"'{line}' is not supported: write the deck with all nodes and elements, in global "
+                               "coordinates")
+            if keyword == "NODE":
+                first = len(lines) if first is None else first
+                continue
+        elif keyword == "NODE":
+            number = int(line.split(",")[0])
+            if number in nodes:
+                raise BadInput(file, "*Node", f"node {number} is there twice")
+            nodes[number] = line
+            continue
+        moved = keyword == "INSTANCE" and not line.startswith("*")
+        if moved or instances > 1 or parts > 1:
+            problem = "an instance is moved" if moved else f"more than one {'instance' if instances > 1 else 'part'}"
+            raise BadInput(file, "*Instance", f"{problem}: assemblies are not supported; write a deck without them "
+                           "(Abaqus/CAE: Model > Edit Attributes > Do not use parts and assemblies in input files)")
+        lines.append(line)
+    if first is not None:
+        lines[first:first] = ["*NODE", *nodes.values()]
+    return "\n".join([*lines, ""]).encode()
+
+
 def patched(file, extension):
     """The text of the file with changes that meshio needs to read it, or None if it needs none."""
     if extension == ".vtk":
@@ -34,6 +91,8 @@ def patched(file, extension):
         result = re.sub(rb"(?m)^(\S+ \d+ \d+|SCALARS \S+) (%s)(?=[ \d\r]*$)" % b"|".join(names),
                         lambda match: match.group(1) + b" " + names[match.group(2)], data)
         return result if result != data else None
+    if FORMATS[extension] == "abaqus":
+        return abaqus_deck(file)
     if FORMATS[extension] == "nastran":
         with open(file, "rb") as stream:
             data = stream.read()
@@ -63,6 +122,8 @@ def meshio_read(file):
             stack.enter_context(contextlib.redirect_stdout(said))
             stack.enter_context(contextlib.redirect_stderr(said))
             mesh = meshio.read(source, FORMATS[extension])
+    except BadInput:
+        raise
     except (Exception, SystemExit) as problem:  # pylint: disable=broad-except  # a parser throws anything at a bad file
         text = " ".join(said.getvalue().split()).replace(source, file)
         if not isinstance(problem, SystemExit):

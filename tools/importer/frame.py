@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import re
 
 import numpy as np
 
@@ -20,6 +21,7 @@ CELL_IDS = ("globalcellids", "globalelementids", "globalelementid", "element_id"
 OBJECT_IDS = ("partid", "part_id", "part", "gmsh:physical", "nastran:ref", "obj:group_ids")
 VELOCITIES = ("velocity", "velocities", "vel")
 THICKNESSES = ("thickness",)
+DISPLACEMENTS = re.compile(r".*displac.*|(displ?|depl|u)(_?[xyz123])?")
 TIMES = ("timevalue", "time")
 
 
@@ -80,20 +82,34 @@ def check_ids(ids, count, file, what):
     return ids
 
 
-def vectors(mesh, wanted, file):
-    """Velocities [points, 3], or None. "vx,vy,vz" names three arrays."""
+def vectors(mesh, wanted, guesses, file, what):
+    """A vector for each point [points, 3], or None. "vx,vy,vz" names three arrays."""
     names = wanted.split(",") if wanted else []
     if len(names) == 3:
-        columns = [np.asarray(pick(mesh.point_data, name, (), file, "velocity")).reshape(-1) for name in names]
+        columns = [np.asarray(pick(mesh.point_data, name, (), file, what)).reshape(-1) for name in names]
         values = np.column_stack(columns)
     else:
-        values = pick(mesh.point_data, wanted, VELOCITIES, file, "velocity")
+        values = pick(mesh.point_data, wanted, guesses, file, what)
     if values is None:
         return None
     values = np.asarray(values, np.float64)
     if values.shape != (len(mesh.points), 3):
-        raise BadInput(file, "velocity", f"shape {values.shape} instead of ({len(mesh.points)}, 3)")
-    return finite(values, file, "velocity")
+        raise BadInput(file, what, f"shape {values.shape} instead of ({len(mesh.points)}, 3)")
+    return finite(values, file, what)
+
+
+def displacements(mesh, options, file):
+    """The displacements to be added to the points, or None. Without the option, arrays that may be displacements are an
+    error, because files do not say whether their points are displaced already."""
+    if options.displacement:
+        return vectors(mesh, options.displacement, (), file, "displacement")
+    used = (options.velocity or "").split(",")
+    names = [name for name in mesh.point_data if DISPLACEMENTS.fullmatch(name.lower()) and name not in used]
+    if names:
+        raise BadInput(file, "displacement", f"the points have {', '.join(map(repr, names))}: give --displacement "
+                       f"{names[0] if len(names) == 1 else 'NAME'} to add it to the points, or --displacement none if they are "
+                       "displaced already")
+    return None
 
 
 def finite(values, file, what):
@@ -258,6 +274,10 @@ def read_frame(file, options):
             connectivity = connectivity[np.repeat(~face, np.diff(offsets))]
             keep[np.flatnonzero(keep)[face]] = False
             offsets = np.concatenate([[0], np.cumsum([NODES[kind] for kind in types[keep]])]).astype(np.int64)
+    moved = displacements(mesh, options, file)
+    if moved is not None:
+        points = points + moved
+        notes.append(f"{options.displacement} is added to the points")
     cells = int(keep.sum())
     objects, names = objects_of(mesh, arrays, numbering, keep, options, file)
     frame = Frame(points, types[keep], offsets, connectivity, objects, time=time_of(mesh, file), object_names=names,
@@ -272,7 +292,7 @@ def read_frame(file, options):
         ids = numbering.elements
     if ids is not None:
         frame.cell_ids = check_ids(integers(ids, file, "cell ids", np.int64)[keep], cells, file, "cell ids")
-    frame.velocity = vectors(mesh, options.velocity, file) if options.velocity != "none" else None
+    frame.velocity = vectors(mesh, options.velocity, VELOCITIES, file, "velocity")
     frame.thickness = thickness_of(arrays, keep, frame.types, options.thickness, file)
     check_repeated_vertices(frame, file)
     return frame

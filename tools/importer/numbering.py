@@ -9,7 +9,7 @@ import meshio
 import numpy as np
 
 from .errors import BadInput
-from .formats import FORMATS
+from .formats import FORMATS, abaqus_keyword, abaqus_lines
 
 
 @dataclasses.dataclass
@@ -48,51 +48,45 @@ def gmsh_numbering(file):
 
 
 def abaqus_numbering(file):
-    """Node numbers, element numbers, and element sets by name. None if the file includes another file."""
+    """Node numbers, element numbers, and element sets by name."""
     nodes, elements, sets = [], [], {}
     numbers = row = None  # list to which the numbers of data lines are added; kind of these lines
     generate = False
-    with open(file, encoding="utf-8", errors="replace") as stream:
-        for line in stream:
-            line = line.strip()
-            if line.startswith("**") or not line:
-                continue
-            if line.startswith("*"):
-                keyword = line[1:].split(",")[0].strip().upper()
-                values = dict(re.findall(r"(\w+)\s*=\s*([^,]+)", line))
-                values = {key.upper(): value.strip() for key, value in values.items()}
-                numbers, generate = None, bool(re.search(r",\s*GENERATE", line, re.IGNORECASE))
-                if keyword == "INCLUDE":
-                    return None
-                if keyword == "NODE":
-                    numbers, row = nodes, "first"
-                elif keyword == "ELEMENT":
-                    numbers, row, pending = elements, "element", []
-                    kind = meshio.abaqus._abaqus.abaqus_to_meshio_type.get(values.get("TYPE", ""), "")
-                    width = 1 + meshio._mesh.num_nodes_per_cell.get(kind, 0)
-                    members = sets.setdefault(values["ELSET"], []) if "ELSET" in values else None
-                elif keyword == "ELSET" and "ELSET" in values:
-                    numbers, row = sets.setdefault(values["ELSET"], []), "set"
-                continue
-            if numbers is None:
-                continue
-            fields = [field.strip() for field in line.split(",") if field.strip()]
-            if row == "first":
-                numbers.append(int(fields[0]))
-            elif row == "element":
-                # An element may continue on further lines.
-                pending += fields
-                while width > 1 and len(pending) >= width:
-                    numbers.append(int(pending[0]))
-                    if members is not None:
-                        members.append(int(pending[0]))
-                    pending = pending[width:]
-            elif generate:
-                first, last, stride = (int(field) for field in (fields + ["1"])[:3])
-                numbers += range(first, last + 1, stride)
-            else:
-                numbers += itertools.chain.from_iterable(
-                    [int(field)] if field.lstrip("-").isdigit() else sets.get(field, []) for field in fields)
+    for line in abaqus_lines(file):
+        if line.startswith("*"):
+            keyword = abaqus_keyword(line)
+            values = dict(re.findall(r"(\w+)\s*=\s*([^,]+)", line))
+            values = {key.upper(): value.strip() for key, value in values.items()}
+            numbers, generate = None, bool(re.search(r",\s*GENERATE", line, re.IGNORECASE))
+            if keyword == "NODE":
+                numbers, row = nodes, "first"
+            elif keyword == "ELEMENT":
+                numbers, row, pending = elements, "element", []
+                kind = meshio.abaqus._abaqus.abaqus_to_meshio_type.get(values.get("TYPE", ""), "")
+                width = 1 + meshio._mesh.num_nodes_per_cell.get(kind, 0)
+                members = sets.setdefault(values["ELSET"], []) if "ELSET" in values else None
+            elif keyword == "ELSET" and "ELSET" in values:
+                numbers, row = sets.setdefault(values["ELSET"], []), "set"
+            continue
+        if numbers is None:
+            continue
+        fields = [field.strip() for field in line.split(",") if field.strip()]
+        if row == "first":
+            numbers.append(int(fields[0]))
+        elif row == "element":
+            # An element may continue on further lines.
+            pending += fields
+            while width > 1 and len(pending) >= width:
+                numbers.append(int(pending[0]))
+                if members is not None:
+                    members.append(int(pending[0]))
+                pending = pending[width:]
+        elif generate:
+            first, last, stride = (int(field) for field in (fields + ["1"])[:3])
+            numbers += range(first, last + 1, stride)
+        else:
+            numbers += itertools.chain.from_iterable(
+                [int(field)] if field.lstrip("-").isdigit() else sets.get(field, []) for field in fields)
     return Numbering(np.array(nodes, np.int64), np.array(elements, np.int64), sets)
 
 

@@ -2,6 +2,7 @@
 // replaces an old one.
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include <gtest/gtest.h>
 
@@ -66,45 +67,126 @@ TEST(RecordFile, AWholeRecordStaysUntilTheNextIsWhole) {
   EXPECT_EQ(text_of(folder / "x.json"), before);
 }
 
-/// A record of one entrant on one motion with these seconds, one value for each round.
-void write_record(const std::string& folder, const std::vector<double>& seconds, const std::string& contacts) {
-  std::filesystem::create_directories(folder);
+/// Rows of one entrant on steps 3 and 4, with these seconds in the rounds.
+std::vector<json> entrant_rows(const std::vector<double>& seconds, const json& other_columns = json::object()) {
   std::vector<json> rows;
-  for (const double s : seconds)
-    rows.push_back({{"table", "c"},
-                    {"scene", "s"},
-                    {"motion_model", "linear"},
-                    {"edges", "triangulated"},
-                    {"pipeline", "VolCCD"},
-                    {"variant", ""},
-                    {"motion", 3},
-                    {"seconds", s},
-                    {"topology_seconds", 0.0},
-                    {"vf_tests", 1},
-                    {"ee_tests", 2},
-                    {"contacts_hash", contacts}});
-  RecordFile record(folder, "x", json::object());
-  record.add("w", rows);
-  record.finish(json::object(), json::array());
+  for (int step : {3, 4})
+    for (std::size_t round = 0; round < seconds.size(); ++round) {
+      rows.push_back({{"table", "c"},
+                      {"scene", "s"},
+                      {"motion_model", "linear"},
+                      {"edges", "triangulated"},
+                      {"shells", "surface"},
+                      {"mesh", "whole"},
+                      {"pipeline", "VolCCD"},
+                      {"variant", ""},
+                      {"threads", 1},
+                      {"separation", 0.0},
+                      {"motion", step},
+                      {"round", round},
+                      {"seconds", seconds[round]},
+                      {"topology_seconds", 0.0},
+                      {"vf_tests", 1},
+                      {"ee_tests", 2},
+                      {"contacts_hash", "h"}});
+      rows.back().update(other_columns);
+    }
+  return rows;
 }
 
-TEST(CompareRecords, JudgesBeyondTheSpreadOnly) {
-  const ScratchFolder folder;
-  const std::string a = folder / "a", b = folder / "b";
-  const auto changed = [&](const std::vector<double>& before, const std::vector<double>& after,
-                           const char* hash = "h") {
-    write_record(a, before, "h");
-    write_record(b, after, hash);
-    return compare_records(a, b);
-  };
-  EXPECT_EQ(changed({1.00, 1.01, 1.02}, {1.10, 1.11, 1.12}).slower, 1u);
-  EXPECT_EQ(changed({1.10, 1.11, 1.12}, {1.00, 1.01, 1.02}).faster, 1u);
-  EXPECT_EQ(changed({1.00, 1.01, 1.02}, {1.01, 1.02, 1.03}).slower, 0u) << "within 3 %";
-  EXPECT_EQ(changed({0.90, 1.00, 1.10}, {1.00, 1.11, 1.20}).slower, 0u) << "within the spread";
-  EXPECT_EQ(changed({1.00}, {2.00}).slower, 0u);
-  EXPECT_EQ(changed({1.00}, {2.00}).single, 1u);
-  EXPECT_EQ(changed({1.00, 1.00}, {1.00, 1.00}, "other").other_counts, 1u);
-  EXPECT_THROW(compare_records(a, folder / "absent"), InputError);
+/// Two folders of records.
+class CompareRecords : public ::testing::Test {
+ protected:
+  static void write(const std::string& folder, const std::vector<json>& rows, const std::string& name = "x") {
+    std::filesystem::create_directories(folder);
+    RecordFile record(folder, name, json::object());
+    record.add("w", rows);
+    record.finish(json::object(), json::array());
+  }
+  RecordComparison compared(const std::vector<json>& before, const std::vector<json>& after) const {
+    write(a_, before);
+    write(b_, after);
+    return compare_records(a_, b_);
+  }
+  RecordComparison timed(const std::vector<double>& before, const std::vector<double>& after) const {
+    return compared(entrant_rows(before), entrant_rows(after));
+  }
+
+  const ScratchFolder folder_;
+  const std::string a_ = folder_ / "a", b_ = folder_ / "b";
+};
+
+TEST_F(CompareRecords, TimesBeyondTheToleranceOnly) {
+  EXPECT_EQ(timed({1.00, 1.01, 1.02}, {1.10, 1.11, 1.12}).slower, 1u);
+  EXPECT_EQ(timed({1.10, 1.11, 1.12}, {1.00, 1.01, 1.02}).faster, 1u);
+  EXPECT_EQ(timed({1.00, 1.01, 1.02}, {1.01, 1.02, 1.03}).slower, 0u) << "within 3 %";
+  EXPECT_EQ(timed({0.90, 1.00, 1.10}, {1.00, 1.11, 1.20}).slower, 0u) << "within the spread";
+  EXPECT_THROW(compare_records(a_, folder_ / "absent"), InputError);
+}
+
+/// The factors that the help text promises to see.
+TEST_F(CompareRecords, EveryRiseBeyondTheGreatestToleranceIsSeen) {
+  for (const std::vector<double>& rounds : std::vector<std::vector<double>>{
+           {1.0}, {1.0, 1.0}, {1.0, 1.02, 1.01}, {0.5, 1.0, 1.5}, {1.0, 1.0, 100.0}, {0.001, 0.002}})
+    for (const double factor : {1.26, 1.3, 1.5, 2.0, 100.0}) {
+      std::vector<double> after = rounds;
+      for (double& seconds : after) seconds *= factor;
+      const RecordComparison result = timed(rounds, after);
+      EXPECT_EQ(result.slower, 1u) << rounds.size() << " rounds, factor " << factor;
+      EXPECT_EQ(result.single, rounds.size() == 1 ? 1u : 0u);
+      EXPECT_EQ(timed(after, rounds).faster, 1u);
+    }
+  EXPECT_EQ(timed({1.0}, {1.24}).slower, 0u) << "a single round";
+  for (const double factor : {1.04, 1.1}) EXPECT_EQ(timed({1.0, 1.01}, {factor, 1.01 * factor}).slower, 1u) << factor;
+}
+
+/// A row differs from all others in one column only, and its entrant alone is slower.
+TEST_F(CompareRecords, EveryColumnThatTellsRowsApart) {
+  for (const auto& [column, value] : std::map<std::string, json>{{"table", "d"},
+                                                                 {"scene", "t"},
+                                                                 {"motion_model", "quadratic"},
+                                                                 {"edges", "polytope"},
+                                                                 {"shells", "solid"},
+                                                                 {"mesh", "boundary"},
+                                                                 {"pipeline", "NavCCD"},
+                                                                 {"variant", "k=6"},
+                                                                 {"threads", 2},
+                                                                 {"separation", 0.5}}) {
+    std::vector<json> before = entrant_rows({1.0, 1.01}), after = before;
+    for (const json& row : entrant_rows({9.0, 9.1}, {{column, value}})) before.push_back(row);
+    for (const json& row : entrant_rows({9.9, 10.0}, {{column, value}})) after.push_back(row);
+    const RecordComparison result = compared(before, after);
+    EXPECT_EQ(result.compared, 2u) << column;
+    EXPECT_EQ(result.slower, 1u) << column;
+    EXPECT_TRUE(result.only_on_one_side.empty()) << column;
+  }
+  std::vector<json> twice = entrant_rows({1.0}, {{"other", 1}});
+  for (const json& row : entrant_rows({1.0}, {{"other", 2}})) twice.push_back(row);
+  EXPECT_THROW(compared(twice, twice), InputError) << "no known column tells these rows apart";
+}
+
+TEST_F(CompareRecords, Counts) {
+  for (const json& other : {json{{"contacts_hash", "i"}}, json{{"vf_tests", 2}}, json{{"ee_tests", 3}}})
+    EXPECT_EQ(compared(entrant_rows({1.0, 1.0}), entrant_rows({1.0, 1.0}, other)).other_counts, 1u) << other;
+}
+
+TEST_F(CompareRecords, SaysWhatOneSideAloneHas) {
+  const std::vector<json> one = entrant_rows({1.0, 1.0});
+  std::vector<json> two = one, half = one;
+  for (const json& row : entrant_rows({1.0, 1.0}, {{"threads", 2}})) two.push_back(row);
+  half.resize(2);  // step 3
+  EXPECT_EQ(compared(two, one).only_on_one_side,
+            std::vector<std::string>{"x, entrants c s VolCCD threads=2: only in A"});
+  EXPECT_EQ(compared(one, two).only_on_one_side,
+            std::vector<std::string>{"x, entrants c s VolCCD threads=2: only in B"});
+  EXPECT_EQ(compared(half, one).only_on_one_side,
+            std::vector<std::string>{"x, c s VolCCD threads=1, steps 4: only in B"});
+  write(a_, {json{{"operation", "csat"}}}, "operations");
+  EXPECT_EQ(compared(one, one).only_on_one_side, std::vector<std::string>{"record operations: only in A"});
+  write(b_, {json{{"operation", "csat"}}}, "operations");
+  const RecordComparison result = compared(one, one);
+  EXPECT_TRUE(result.only_on_one_side.empty());
+  EXPECT_EQ(result.without_times, std::vector<std::string>{"operations"});
 }
 
 TEST(RecordFile, RefusesWhatIsNoRecord) {
