@@ -123,8 +123,8 @@ class Features {
 };
 
 /// Visits the triangulated boundary of element o: calls edge(v0, v1) for each edge of the edge set and triangle(v0, v1,
-/// v2) for each triangle; nothing for EdgeSet::none. The arguments are vertex slots in no particular order. Each edge and
-/// each triangle of the element is visited once.
+/// v2) for each triangle; nothing for EdgeSet::none. The arguments are vertex slots in no particular order. Each edge
+/// and each triangle of the element is visited once.
 template <class EdgeVisitor, class TriangleVisitor>
 void visit_boundary(const Mesh& mesh, Index o, EdgeSet edge_set, EdgeVisitor&& edge, TriangleVisitor&& triangle);
 
