@@ -8,10 +8,10 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/mesh/detail/share_id.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 #include <volccd/mesh/tables/raw_vector.hpp>
+#include <volccd/mesh/tables/share_id.hpp>
 
 namespace volccd {
 

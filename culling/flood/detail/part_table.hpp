@@ -10,7 +10,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/function_ref.hpp>
-#include <volccd/mesh/detail/share_id.hpp>
+#include <volccd/mesh/tables/share_id.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/query/pairs.hpp>
 
