@@ -128,7 +128,7 @@ TEST(DistributedDetector, BetweenObjects) {
 
 TEST(DistributedDetector, First) { EXPECT_GT(compare_scenes({.request = {.query = Query::first}}), 10u); }
 
-/// Coordinates of a lattice: features end on cuts, and touch only at the end of the step.
+/// Coordinates of a lattice, also of the centres of moving boxes, where the cuts are.
 TEST(DistributedDetector, FeaturesOnCuts) {
   for (const double separation : {0.0, 1.0}) {
     Shape both;
@@ -136,7 +136,7 @@ TEST(DistributedDetector, FeaturesOnCuts) {
     Shape other = block(ElementType::tetrahedron, 2, 1, 1);
     both.append(other.translate(Vec3(1, 1, 2)), 2);
     std::vector<Vec3> end = both.positions;
-    for (std::size_t v = both.positions.size() - other.positions.size(); v < end.size(); ++v) end[v].z() -= 1;
+    for (std::size_t v = both.positions.size() - other.positions.size(); v < end.size(); ++v) end[v] -= Vec3(1, 1, 1);
     const Topology topology(both.mesh());
     for (const PipelineSpec& spec : specs(separation == 0))
       EXPECT_GT(compare(spec, topology, Motion::linear(both.positions, end), {.separation = separation}), 20u);

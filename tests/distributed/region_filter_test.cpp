@@ -28,8 +28,15 @@ Box box_of(const Step& step, std::span<const Index> vertices) {
   return enlarged(box, step.separation);
 }
 
-bool have_common_point(const Box& a, const Box& b) {
-  return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
+Box not_enlarged(const Motion& motion, std::span<const Index> vertices) {
+  Box box;
+  extend(box, motion, vertices, motion.control_points());
+  return box;
+}
+
+/// Whether the boxes are at most this far apart on each axis.
+bool are_within(double distance, const Box& a, const Box& b) {
+  return ((a.low - b.high).array() <= distance).all() && ((b.low - a.high).array() <= distance).all();
 }
 
 bool is_met(const Regions& regions, const Box& box, int rank) {
@@ -58,22 +65,27 @@ std::vector<int> keepers(const Step& step, const Regions& regions, FeatureKind k
   return keeper;
 }
 
-/// Returns the number of tests whose features may touch.
-std::size_t check(const Step& step, FeatureKind kind, int ranks) {
-  const Features& features = step.features();
+std::vector<Vec3> element_centres(const Step& step) {
   std::vector<Vec3> centres;
   for (Index o = 0; o < step.mesh().element_slots(); ++o) {
     const Box box = box_of(step, step.mesh().vertices(o));
     centres.push_back(box.low / 2 + box.high / 2);
   }
-  const Regions regions(centres, std::vector<double>(centres.size(), 1), ranks);
+  return centres;
+}
+
+/// Regions are those of the points. Returns the number of tests whose features may touch.
+std::size_t check(const Step& step, FeatureKind kind, int ranks, const std::vector<Vec3>& points) {
+  const Features& features = step.features();
+  const Regions regions(points, std::vector<double>(points.size(), 1), ranks);
   const std::vector<FeaturePair> tests = all_tests(features, kind);
   const std::vector<int> keeper = keepers(step, regions, kind, tests);
   std::size_t touching = 0;
   for (std::size_t i = 0; i < tests.size(); ++i) {
     const std::array<Index, 4> v = test_vertices(features, kind, tests[i]);
     const std::size_t first = kind == FeatureKind::vf ? 1 : 2;
-    if (!have_common_point(box_of(step, std::span(v).first(first)), box_of(step, std::span(v).subspan(first))))
+    if (!are_within(step.separation, not_enlarged(step.motion, std::span(v).first(first)),
+                    not_enlarged(step.motion, std::span(v).subspan(first))))
       continue;
     ++touching;
     const auto [a, b] = tests[i];
@@ -90,12 +102,14 @@ TEST(RegionFilter, EachTestIsKeptOnceByARankThatHoldsItsElements) {
   for (const cases::Scene& scene : cases::small_scenes(5, 0.1))
     for (const double separation : {0.0, 0.3})
       for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee})
-        for (const int ranks : test::kRankNumbers)
-          touching += check({scene.topology, scene.motion, test::kAllObjects, separation}, kind, ranks);
+        for (const int ranks : test::kRankNumbers) {
+          const Step step{scene.topology, scene.motion, test::kAllObjects, separation};
+          touching += check(step, kind, ranks, element_centres(step));
+        }
   EXPECT_GT(touching, 10000u);
 }
 
-/// Coordinates of a lattice, on cuts of regions.
+/// Cuts have coordinates of the lattice.
 TEST(RegionFilter, FeaturesOnCuts) {
   const Shape shape = block(ElementType::hexahedron, 4, 2, 2);
   const Topology topology(shape.mesh());
@@ -103,7 +117,7 @@ TEST(RegionFilter, FeaturesOnCuts) {
   for (const double separation : {0.0, 1.0})
     for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee})
       for (const int ranks : test::kRankNumbers)
-        EXPECT_GT(check({topology, motion, test::kAllObjects, separation}, kind, ranks), 100u);
+        EXPECT_GT(check({topology, motion, test::kAllObjects, separation}, kind, ranks, shape.positions), 100u);
 }
 
 }  // namespace
