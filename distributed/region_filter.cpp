@@ -2,30 +2,64 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
+
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd::distributed {
 
 namespace {
 
-/// Lower corner around all control points of some vertices.
-Vec3 low_of(const Motion& motion, std::span<const Index> vertices) {
-  Box box;
-  extend(box, motion, vertices, motion.control_points());
-  return box.low;
-}
+/// Vertices whose bounds a worker computes in one go.
+constexpr std::size_t kVertices = 4096;
+
+/// By vertex: the lower bounds of its control points, enlarged. These bounds are monotone, so that the reference point
+/// follows from them by minima and maxima (box.hpp).
+struct State final : StageState {
+  std::size_t bytes() const override { return heap_bytes(low); }
+
+  std::vector<Vec3> low;
+};
 
 }  // namespace
 
-std::size_t RegionFilter::select(const Step& step, StageState&, unsigned, FeatureKind kind,
+std::unique_ptr<StageState> RegionFilter::make_state() const { return std::make_unique<State>(); }
+
+void RegionFilter::prepare(const Step& step, StageState& state, Executor& executor) const {
+  auto& low = static_cast<State&>(state).low;
+  low.resize(step.motion.vertex_count());
+  executor.parallel_for(low.size(), kVertices, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const double* p = step.motion.at(static_cast<Index>(v));
+      for (int i = 0; i < 3; ++i) {
+        double least = p[i];
+        for (int c = 1; c < step.motion.control_points(); ++c) least = std::min(least, p[3 * c + i]);
+        low[v][i] = enlarged_low(least, step.separation);
+      }
+    }
+  });
+}
+
+std::size_t RegionFilter::select(const Step& step, StageState& state, unsigned, FeatureKind kind,
                                  std::span<FeaturePair> tests) const {
-  const std::size_t first = kind == FeatureKind::vf ? 1 : 2;  // vertices of the first feature
-  const auto elsewhere = [&](FeaturePair pair) {
-    const std::array<Index, 4> vertices = test_vertices(step.features(), kind, pair);
-    const auto all = std::span(vertices);
-    return !region_.contains(reference_point(low_of(step.motion, all.first(first)),
-                                             low_of(step.motion, all.subspan(first)), step.separation));
-  };
-  return static_cast<std::size_t>(std::remove_if(tests.begin(), tests.end(), elsewhere) - tests.begin());
+  const auto& low = static_cast<const State&>(state).low;
+  const Features& features = step.features();
+  const Region region = region_;
+  std::size_t kept = 0;
+  // Each test is written, and stays if the next one is written behind it: no branches.
+  for (const FeaturePair pair : tests) {
+    const std::array<Index, 4> v = test_vertices(features, kind, pair);
+    const auto &p = low[v[0]], &q = low[v[1]], &r = low[v[2]], &s = low[v[3]];
+    Vec3 point;
+    for (int i = 0; i < 3; ++i) {
+      const double second = std::min(r[i], s[i]);
+      point[i] =
+          kind == FeatureKind::vf ? std::max(p[i], std::min(q[i], second)) : std::max(std::min(p[i], q[i]), second);
+    }
+    tests[kept] = pair;
+    kept += region.contains(point);
+  }
+  return kept;
 }
 
 void RegionFilter::run(const Step&, StageState&, unsigned, const TestBlock&, std::span<std::uint8_t>) const {}

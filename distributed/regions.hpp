@@ -14,7 +14,11 @@ struct Region {
   Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity());
   Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
 
-  bool contains(const Vec3& p) const { return (low.array() <= p.array()).all() && (p.array() < high.array()).all(); }
+  bool contains(const Vec3& p) const {
+    bool inside = true;  // no branches: which points are inside is hard to predict
+    for (int i = 0; i < 3; ++i) inside = inside & (low[i] <= p[i]) & (p[i] < high[i]);
+    return inside;
+  }
 };
 
 /// A k-d tree of cuts that divides space into regions, at most one for each rank. Each finite point is in exactly one
