@@ -19,10 +19,10 @@ namespace {
 /// Elements whose boxes a worker computes in one go.
 constexpr std::size_t kBoxes = 1024;
 
-/// The registry with the filter of a region, and the pipeline with it as first filter.
+/// The registry with the filter of a region, and the pipeline with it as last filter.
 Pipeline make_pipeline(Registry registry, PipelineSpec spec, const Region& region) {
   registry.add(describe_region_filter(region));
-  spec.feature_filters.insert(spec.feature_filters.begin(), {"region"});
+  spec.feature_filters.push_back({"region"});
   return Pipeline(registry, spec);
 }
 

@@ -38,7 +38,7 @@ struct RankStatistics {
 /// Runs a pipeline on several ranks, all of them in this process. The first step divides space into regions
 /// (Regions, by the centres of the swept boxes of the elements, each of weight 1), which stay. In each step, a rank
 /// holds the elements whose swept boxes, enlarged by half the separation, meet its region (PieceMesh). It runs the
-/// pipeline on these as on any mesh, with a RegionFilter as first feature filter and with its workspace of the steps
+/// pipeline on these as on any mesh, with a RegionFilter as last feature filter and with its workspace of the steps
 /// before.
 ///
 /// Contacts and initial overlaps are those of a StepRunner with the same pipeline on the whole mesh, bit for bit and in

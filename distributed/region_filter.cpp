@@ -40,29 +40,22 @@ void RegionFilter::prepare(const Step& step, StageState& state, Executor& execut
   });
 }
 
-std::size_t RegionFilter::select(const Step& step, StageState& state, unsigned, FeatureKind kind,
-                                 std::span<FeaturePair> tests) const {
+void RegionFilter::run(const Step&, StageState& state, unsigned, const TestBlock& block,
+                       std::span<std::uint8_t> keep) const {
   const auto& low = static_cast<const State&>(state).low;
-  const Features& features = step.features();
+  const bool vf = block.kind() == FeatureKind::vf;
   const Region region = region_;
-  std::size_t kept = 0;
-  // Each test is written, and stays if the next one is written behind it: no branches.
-  for (const FeaturePair pair : tests) {
-    const std::array<Index, 4> v = test_vertices(features, kind, pair);
+  for (std::size_t test = 0; test < block.size(); ++test) {
+    const std::array<Index, 4> v = block.vertices(test);
     const auto &p = low[v[0]], &q = low[v[1]], &r = low[v[2]], &s = low[v[3]];
     Vec3 point;
     for (int i = 0; i < 3; ++i) {
       const double second = std::min(r[i], s[i]);
-      point[i] =
-          kind == FeatureKind::vf ? std::max(p[i], std::min(q[i], second)) : std::max(std::min(p[i], q[i]), second);
+      point[i] = vf ? std::max(p[i], std::min(q[i], second)) : std::max(std::min(p[i], q[i]), second);
     }
-    tests[kept] = pair;
-    kept += region.contains(point);
+    if (!region.contains(point)) keep[test] = 0;
   }
-  return kept;
 }
-
-void RegionFilter::run(const Step&, StageState&, unsigned, const TestBlock&, std::span<std::uint8_t>) const {}
 
 StageDescriptor<FeatureFilter> describe_region_filter(const Region& region) {
   return {"region",

@@ -11,9 +11,9 @@ namespace volccd::distributed {
 /// separation (box.hpp). Of regions that divide space, exactly one keeps a test, so that ranks perform it once in all
 /// (the reference-point method of Dittrich and Seeger, 2000).
 ///
-/// Works in select() alone, and must therefore be the first filter of its pipeline. Its state has 24 bytes
-/// a vertex. Guarantee: exact, because the result depends on comparisons of given doubles alone and, with a separation,
-/// on one formula that all ranks evaluate.
+/// As the last filter of a pipeline it has the fewest tests to look at. Its state has 24 bytes a vertex. Guarantee:
+/// exact, because the result depends on comparisons of given doubles alone and, with a separation, on one formula that
+/// all ranks evaluate.
 class RegionFilter final : public FeatureFilter {
  public:
   /// The region must outlive the filter, and may change between steps.
@@ -21,9 +21,6 @@ class RegionFilter final : public FeatureFilter {
 
   std::unique_ptr<StageState> make_state() const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;
-  std::size_t select(const Step& step, StageState& state, unsigned worker, FeatureKind kind,
-                     std::span<FeaturePair> tests) const override;
-  /// Keeps what select() has kept.
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
            std::span<std::uint8_t> keep) const override;
 

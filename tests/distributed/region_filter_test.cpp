@@ -51,14 +51,17 @@ std::vector<int> keepers(const Step& step, const Regions& regions, FeatureKind k
   std::vector<int> keeper(tests.size(), -1);
   for (int r = 0; r < regions.ranks(); ++r) {
     const RegionFilter filter(regions.region(r));
-    const auto state = test::prepared(filter, step);
-    std::vector<FeaturePair> kept = tests;
-    kept.resize(filter.select(step, *state, 0, kind, kept));
-    std::size_t i = 0;
-    for (const FeaturePair pair : kept) {
-      while (tests[i] != pair) ++i;
-      EXPECT_EQ(keeper[i], -1);
-      keeper[i] = r;
+    TestBlock block;
+    for (std::size_t begin = 0; begin < tests.size(); begin += block.size()) {
+      block.gather(step, kind,
+                   std::span(tests).subspan(begin).first(std::min(TestBlock::kCapacity, tests.size() - begin)));
+      std::vector<std::uint8_t> keep(block.padded_size(), 1);
+      test::run_stage(filter, step, block, keep);
+      for (std::size_t i = 0; i < block.size(); ++i) {
+        if (keep[i] == 0) continue;
+        EXPECT_EQ(keeper[begin + i], -1);
+        keeper[begin + i] = r;
+      }
     }
   }
   EXPECT_EQ(std::ranges::count(keeper, -1), 0);
