@@ -47,7 +47,7 @@ install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDI
 
 # pkg-config: volccd.pc, for builds without CMake. Users of a static library also link the libraries that it needs
 # (--static).
-set(modules volccd_io volccd_pipelines volccd_narrowphase volccd_culling volccd_broadphase volccd_query volccd_mesh volccd_numerics
+set(modules volccd_io volccd_distributed volccd_pipelines volccd_narrowphase volccd_culling volccd_broadphase volccd_query volccd_mesh volccd_numerics
     volccd_core)
 set(VOLCCD_PC_PRIVATE_LIBS "")
 if(VOLCCD_WITH_HDF5)

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <volccd/distributed/detector.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/io/contacts_csv.hpp>
 #include <volccd/io/contacts_vtp.hpp>
@@ -19,6 +20,7 @@
 #include <volccd/program/output_plan.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
+#include <volccd/program/rank_table.hpp>
 #include <volccd/program/report.hpp>
 #include <volccd/program/scene_files.hpp>
 #include <volccd/program/step_loop.hpp>
@@ -36,9 +38,19 @@ struct DetectOptions {
   std::string lists;
   int substeps = 1;
   bool first = false;
+  std::optional<int> ranks;
 
   ListConfig list_config() const;
+  void check_ranks() const;
 };
+
+/// Throws ConfigError for options that ranks do not support.
+void DetectOptions::check_ranks() const {
+  if (!ranks) return;
+  if (substeps > 1) throw ConfigError("--ranks: steps on ranks cannot be divided: leave --substeps out");
+  if (!lists.empty() && lists != "off")
+    throw ConfigError("--ranks: ranks keep no candidate lists: leave --lists out, or --lists off");
+}
 
 /// "off", "auto", or a budget and a number of steps, "B:N".
 ListConfig DetectOptions::list_config() const {
@@ -105,6 +117,11 @@ class Detection {
         request_{.query = options.first ? Query::first : Query::all,
                  .initial_overlaps = !options.overlaps.empty(),
                  .leave_out_shell_neighbours = options.query.leaves_out_shell_neighbours(options.sequence)} {
+    options.check_ranks();
+    if (options.ranks)
+      ranks_.emplace(
+          registry, registry.pipeline(options.pipeline, options.settings),
+          distributed::Config{.ranks = *options.ranks, .executor = executor_.get(), .filter = options.query.filter()});
     if (range_.end > std::numeric_limits<int>::max() / options.substeps)
       throw ConfigError(fmt::format("--substeps: {} substeps of {} motions are more than can be numbered",
                                     options.substeps, range_.end));
@@ -163,12 +180,13 @@ class Detection {
     stepper_.go_to(k, *executor_);
     if (k == range_.begin) options_.query.check(stepper_);
     runner_.set_separation(options_.query.separation_in(stepper_));
+    if (ranks_) ranks_->set_separation(options_.query.separation_in(stepper_));
     const int n = options_.substeps;
     Statistics sum;
     for (int i = 0; i < n; ++i) {
       if (n > 1) part_.set_part(stepper_.motion(), static_cast<double>(i) / n, static_cast<double>(i + 1) / n);
       run_substep(k, i, n > 1 ? part_ : stepper_.motion());
-      Statistics one = runner_.result().statistics;
+      Statistics one = result().statistics;
       one.earliest_toi = (i + one.earliest_toi) / n;
       sum += one;
     }
@@ -179,13 +197,27 @@ class Detection {
   void run_substep(int k, int i, const Motion& motion) {
     const Topology& topology = stepper_.topology();
     const int n = options_.substeps, number = k * n + i;
-    const StepResult& result = runner_.run(topology, motion, request_);
+    if (ranks_)
+      run_ranks(topology, motion);
+    else
+      runner_.run(topology, motion, request_);
+    const StepResult& result = this->result();
     const double begin = reader_.time(k), length = (reader_.time(k + 1) - begin) / n;
     if (contacts_) contacts_->write_step(number, result.contacts, topology.mesh());
     if (vtk_) vtk_->write_step(number, begin + i * length, begin + (i + 1) * length, result.contacts, topology.mesh());
     if (overlaps_) overlaps_->write_step(number, overlap_rows(number, result.initial_overlaps));
     add_part_pairs(number, result.contacts, topology.mesh(), part_pairs_);
   }
+
+  void run_ranks(const Topology& topology, const Motion& motion) {
+    ranks_->step(topology, motion, request_);
+    rank_sums_.resize(ranks_->statistics().size());
+    for (std::size_t r = 0; r < rank_sums_.size(); ++r) rank_sums_[r] += ranks_->statistics()[r];
+    elements_ += topology.mesh().element_count();
+  }
+
+  const StepResult& result() const { return ranks_ ? ranks_->result() : runner_.result(); }
+  const Pipeline& pipeline() const { return ranks_ ? ranks_->pipeline() : runner_.pipeline(); }
 
   /// Rows are in ascending order of the pairs of element ids; in each pair, the smaller id is first.
   std::string overlap_rows(int k, const std::vector<ElementPair>& overlaps) const {
@@ -208,12 +240,13 @@ class Detection {
       table.add(row_of(fmt::format("{}", range_.begin + static_cast<int>(i)), steps_[i], request_.initial_overlaps));
     table.rule();
     table.add(row_of("all", total_, request_.initial_overlaps));
-    report_->print("{}: {}, {}, {} thread(s)\n\n{}", options_.sequence.file, runner_.pipeline().spec().name,
-                   to_string(runner_.pipeline().guarantee()), executor_->workers(), table.text());
+    report_->print("{}: {}, {}, {} thread(s)\n\n{}", options_.sequence.file, pipeline().spec().name,
+                   to_string(pipeline().guarantee()), executor_->workers(), table.text());
     print_summary();
     if (request_.leave_out_shell_neighbours) print_left_out();
     print_part_pairs();
     print_stages(total_, request_.initial_overlaps, *report_);
+    if (ranks_) report_->print("\n{}", rank_table(rank_sums_, elements_));
   }
 
   /// Index into `steps_` of the earliest contact, in the first step that has one; empty if there are no contacts.
@@ -318,8 +351,9 @@ class Detection {
             {"edges", options_.sequence.edges},
             {"motion", options_.sequence.motion},
             {"substeps", options_.substeps},
+            {"ranks", ranks_ ? rank_json(rank_sums_) : nlohmann::json(nullptr)},
             {"threads", executor_->workers()},
-            {"pipeline", to_json(runner_.pipeline())},
+            {"pipeline", to_json(pipeline())},
             {"machine", machine_facts()},
             {"steps", steps},
             {"earliest_step", earliest_step() ? nlohmann::json(range_.begin + static_cast<int>(*earliest_step()))
@@ -332,6 +366,9 @@ class Detection {
   const DetectOptions& options_;
   std::unique_ptr<Executor> executor_;
   StepRunner runner_;
+  std::optional<distributed::Detector> ranks_;  ///< in place of the runner
+  std::vector<distributed::RankStatistics> rank_sums_;
+  std::uint64_t elements_ = 0;  ///< of the mesh, in all steps on ranks
   SequenceReader reader_;
   SequenceStepper stepper_;
   Motion part_;  ///< of the motion, in the present substep
@@ -381,6 +418,12 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
                    "distance) and a number of steps ahead; the contacts are the same; default: auto with --substeps, "
                    "off without")
       ->type_name("off|auto|B:N");
+  command
+      ->add_option("--ranks", options->ranks,
+                   "divide space among N ranks, which run in this process one after another, each on its part of the "
+                   "mesh; the contacts are the same")
+      ->type_name("N")
+      ->check(CLI::Range(1, 4096));
   command->add_flag("--first", options->first, "find only the earliest contact of each step, which is faster");
   options->query.add_to(*command);
   options->sequence.add_parts_to(*command);

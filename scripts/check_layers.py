@@ -38,6 +38,7 @@ module("broadphase", "query")
 module("culling", "query")
 module("narrowphase", "query")
 module("pipelines", "broadphase", "culling", "narrowphase")
+module("distributed", "pipelines")
 module("io", "pipelines")
 module("paper2011", "io")
 module("peers", "pipelines")
@@ -48,7 +49,7 @@ module("simulation", "io")
 module("experiments", "io", "paper2011", "simulation", "oracle/judge")
 module("pictures", "experiments")
 module("report", "pictures")
-module("program", "report", "peers")
+module("program", "report", "peers", "distributed")
 
 # The rooms of a module, from the lowest to the highest; "" is the module's own folder with its detail/. A room includes
 # only what is not above it.

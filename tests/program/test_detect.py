@@ -35,6 +35,18 @@ class Detect(ProgramTest):
         for bad in ("on", "1", "1:2x", "-1:2", "nan:1"):
             self.assertEqual(run("detect", self.sequence, "--lists", bad).returncode, 2, bad)
 
+    def test_ranks_have_the_same_contacts(self):
+        for options in ((), ("--first",), ("--separation", "0.05"), ("--pipeline", "NavCCD"), ("--pairs", "inter")):
+            whole = self.contacts(*options)
+            self.assertGreater(len(whole), 0)
+            for ranks in ("1", "3", "16"):
+                self.assertEqual(self.contacts(*options, "--ranks", ranks), whole, (options, ranks))
+        self.assertIn("slowest rank / mean", self.good("detect", self.sequence, "--ranks", "3"))
+
+    def test_ranks_refuse_other_options(self):
+        for options in (("--substeps", "2"), ("--lists", "auto")):
+            self.bad("detect", self.sequence, "--ranks", "2", *options, says=options[0])
+
     def test_steps_select(self):
         everything = self.contacts()[1:]
         for text, steps in (("1:3", "12"), (":2", "01"), ("2:", "23"), ("3", "3")):
