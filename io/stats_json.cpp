@@ -91,6 +91,7 @@ json to_json(const Statistics& s) {
           {"refreshed_steps", s.refreshed_steps},
           {"reused_steps", s.reused_steps},
           {"list_tests", s.list_tests},
+          {"list_budget", s.list_budget},
           {"list_seconds", s.list_seconds},
           {"element_pairs", s.element_pairs},
           {"adjacent_pairs", s.adjacent_pairs},

@@ -30,6 +30,7 @@ Statistics& Statistics::operator+=(const Statistics& other) {
   refreshed_steps += other.refreshed_steps;
   reused_steps += other.reused_steps;
   list_tests += other.list_tests;
+  list_budget = std::max(list_budget, other.list_budget);
   list_seconds += other.list_seconds;
   element_pairs += other.element_pairs;
   adjacent_pairs += other.adjacent_pairs;

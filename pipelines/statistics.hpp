@@ -38,6 +38,7 @@ struct Statistics {
   std::uint64_t refreshed_steps = 0;  ///< steps that refreshed a candidate list of an earlier step
   std::uint64_t reused_steps = 0;     ///< steps that used a candidate list of an earlier step as it was
   std::uint64_t list_tests = 0;       ///< tests in the lists of all these steps
+  double list_budget = 0;             ///< of the list, in the unit of the coordinates; maximum over the steps
   double list_seconds = 0;           ///< part of `seconds`: to make and refresh lists, and to compare motions with them
   std::uint64_t element_pairs = 0;   ///< element pairs that the broad phase emitted
   std::uint64_t adjacent_pairs = 0;  ///< adjacent pairs and self pairs among them; 0 if not requested

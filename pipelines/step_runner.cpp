@@ -112,6 +112,7 @@ void StepRunner::run_tests(const Step& step, Request request, double list_second
   pipeline_.run(step, workspace_, *executor_, result_, request);
   Statistics& statistics = result_.statistics;
   statistics.list_tests = list_.tests().size();
+  statistics.list_budget = list_.budget();
   const auto tests = static_cast<double>(std::max<std::uint64_t>(1, statistics.list_tests));
   const auto found = static_cast<double>(statistics.contacts + statistics.left_out);
   policy_.record_use(list_seconds + statistics.seconds, 1 - found / tests);

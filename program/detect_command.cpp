@@ -271,10 +271,12 @@ class Detection {
     report_->print("contacts at t = 0: {} of {}\n", grouped(total_.contacts_at_start), grouped(total_.contacts));
     if (const std::uint64_t listed = total_.list_steps + total_.refreshed_steps + total_.reused_steps; listed > 0)
       report_->print(
-          "{}: {} fresh, {} made a candidate list, {} refreshed one, {} used one; {} tests a list; lists took {} ms\n",
+          "{}: {} fresh, {} made a candidate list, {} refreshed one, {} used one; {} tests a list; budget {:.3g} at "
+          "most; "
+          "lists took {} ms\n",
           options_.substeps > 1 ? "substeps" : "steps", grouped(total_.steps - listed), grouped(total_.list_steps),
           grouped(total_.refreshed_steps), grouped(total_.reused_steps), grouped(total_.list_tests / listed),
-          milliseconds(total_.list_seconds));
+          total_.list_budget, milliseconds(total_.list_seconds));
   }
 
   std::string time_unit() const {

@@ -46,6 +46,7 @@ class CandidateList {
   const TestBatch& tests() const { return tests_; }
   /// How often the list was refreshed since it was made.
   int refreshed() const { return refreshed_; }
+  double budget() const { return budget_; }
   /// By how much the last step that was compared with the list is away from its prediction.
   double distance() const { return distance_; }
   /// The time of the prediction, from 0 to 1, at which that step ended.

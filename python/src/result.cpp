@@ -112,6 +112,7 @@ py::dict statistics_dict(const Statistics& s) {
   d["refreshed_steps"] = s.refreshed_steps;
   d["reused_steps"] = s.reused_steps;
   d["list_tests"] = s.list_tests;
+  d["list_budget"] = s.list_budget;
   d["list_seconds"] = s.list_seconds;
   d["element_pairs"] = s.element_pairs;
   d["adjacent_pairs"] = s.adjacent_pairs;
