@@ -372,7 +372,7 @@ TEST(CandidateList, CoversMotionsThatUseUpTheBudget) {
     EXPECT_EQ(listed.run(topology, rest).contacts.size(), 0u);
     expect_equal(fresh.run(topology, approach), listed.run(topology, approach), "budget " + std::to_string(budget));
     EXPECT_EQ(listed.result().statistics.reused_steps, reused ? 1u : 0u);
-    EXPECT_EQ(listed.result().statistics.list_budget, budget);
+    EXPECT_EQ(listed.result().statistics.list_budget, reused ? budget : 0);
     EXPECT_GT(listed.result().contacts.size(), 0u);
   }
 }
