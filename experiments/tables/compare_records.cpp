@@ -172,8 +172,8 @@ RecordComparison compare_records(const std::string& folder_a, const std::string&
     if (timed != other->second)
       result.only_on_one_side.push_back(fmt::format("rows of {}: only in {}", name, timed ? "A" : "B"));
     if (!timed || !other->second) continue;
-    const auto entrants = [&](const std::string& folder) {
-      return entrants_of((std::filesystem::path(folder) / (name + ".json")).string());
+    const auto entrants = [file = name + ".json"](const std::string& folder) {
+      return entrants_of((std::filesystem::path(folder) / file).string());
     };
     const Entrants a = entrants(folder_a), b = entrants(folder_b);
     note_missing(a, b, name + ", entrants ", result);

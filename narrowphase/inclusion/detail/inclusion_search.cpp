@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include <volccd/narrowphase/closest_points.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
 #include <volccd/narrowphase/inclusion/detail/flat_motion.hpp>
 #include <volccd/narrowphase/inclusion/detail/motion_piece.hpp>
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
@@ -126,7 +127,19 @@ template <int kPoints>
 class InclusionSearch {
  public:
   InclusionSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int max_intervals)
-      : points_(x), test_(kind, x, separation), tolerance_(tolerance), max_intervals_(max_intervals) {}
+      : points_(x),
+        separation_(separation),
+        test_(kind, x, separation),
+        tolerance_(tolerance),
+        max_intervals_(max_intervals) {}
+
+  /// Whether the features touch or are within the separation at t = 0. Exact with a separation; without one, they are
+  /// not apart as far as an axis proves.
+  bool near_at_start() const {
+    if (apart_at_start()) return false;
+    if (separation_ == 0 || certainly_within(0)) return true;
+    return compare_distance({test_.kind(), kPoints, points_}, 0, separation_) <= 0;
+  }
 
   /// Whether an axis separates the features at t = 0.
   bool apart_at_start() const {
@@ -321,7 +334,7 @@ class InclusionSearch {
   InclusionAnswer found(Outcome outcome, double t) const {
     InclusionAnswer answer{outcome};
     answer.toi = t;
-    answer.at_start = t == 0 && !apart_at_start();
+    answer.at_start = t == 0 && near_at_start();
     return answer;
   }
 
@@ -440,6 +453,7 @@ class InclusionSearch {
   }
 
   const TestPoints& points_;
+  double separation_;  ///< as given; that of test_ is scaled and rounded up
   BoundedTest<kPoints> test_;
   double tolerance_;
   int max_intervals_;
