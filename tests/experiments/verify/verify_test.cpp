@@ -181,7 +181,9 @@ TEST(Verify, PipelinesThatCannotRunTheStepAreRefusedNotDifferent) {
 }
 
 TEST(Compare, TellsMissingExtraAndChanged) {
-  const auto contact = [](Index v, double toi) { return Contact{FeatureKind::vf, {v, 10, 11, 12}, toi, {}, {}, {}}; };
+  const auto contact = [](Index v, double toi) {
+    return Contact{FeatureKind::vf, {v, 10, 11, 12}, toi, Vec3::Zero(), {}, Vec3::Zero()};
+  };
   const std::vector<Contact> expected = {contact(1, 0.1), contact(2, 0.2), contact(4, 0.4)};
   const std::vector<Contact> found = {contact(2, 0.2), contact(3, 0.3), contact(4, 0.5)};
   const ContactDifference d = compare_contacts(expected, found);
@@ -197,7 +199,9 @@ TEST(Compare, TellsMissingExtraAndChanged) {
 TEST(Truth, TellsMissingExtraAndWrongTimes) {
   Mesh mesh;
   mesh.add_vertices(20);
-  const auto contact = [](Index v, double toi) { return Contact{FeatureKind::vf, {v, 10, 11, 12}, toi, {}, {}, {}}; };
+  const auto contact = [](Index v, double toi) {
+    return Contact{FeatureKind::vf, {v, 10, 11, 12}, toi, Vec3::Zero(), {}, Vec3::Zero()};
+  };
   const auto answer = [](std::int64_t v, bool collides, double toi) {
     return KnownAnswer{FeatureKind::vf, {v, 10, 11, 12}, collides, toi};
   };
