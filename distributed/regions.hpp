@@ -16,7 +16,7 @@ struct Region {
 
   bool contains(const Vec3& p) const {
     bool inside = true;  // no branches: which points are inside is hard to predict
-    for (int i = 0; i < 3; ++i) inside = inside & (low[i] <= p[i]) & (p[i] < high[i]);
+    for (int i = 0; i < 3; ++i) inside = inside && low[i] <= p[i] && p[i] < high[i];
     return inside;
   }
 };
