@@ -15,7 +15,7 @@ struct Region {
   Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
 
   bool contains(const Vec3& p) const {
-    bool inside = true;  // no branches: which points are inside is hard to predict
+    bool inside = true;
     for (int i = 0; i < 3; ++i) inside = inside && low[i] <= p[i] && p[i] < high[i];
     return inside;
   }
