@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -26,7 +27,11 @@ Pipeline make_pipeline(Registry registry, PipelineSpec spec, const Region& regio
   return Pipeline(registry, spec);
 }
 
-Vec3 centre(const Box& box) { return box.low / 2 + box.high / 2; }
+/// Finite, although a bound that a separation enlarges may be infinite.
+Vec3 centre(const Box& box) {
+  constexpr double kMax = std::numeric_limits<double>::max();
+  return box.low.cwiseMax(-kMax) / 2 + box.high.cwiseMin(kMax) / 2;
+}
 
 Box start_box(const Mesh& mesh, Index element, const Motion& motion) {
   Box box;

@@ -272,8 +272,7 @@ class Detection {
     if (const std::uint64_t listed = total_.list_steps + total_.refreshed_steps + total_.reused_steps; listed > 0)
       report_->print(
           "{}: {} fresh, {} made a candidate list, {} refreshed one, {} used one; {} tests a list; budget {:.3g} at "
-          "most; "
-          "lists took {} ms\n",
+          "most; lists took {} ms\n",
           options_.substeps > 1 ? "substeps" : "steps", grouped(total_.steps - listed), grouped(total_.list_steps),
           grouped(total_.refreshed_steps), grouped(total_.reused_steps), grouped(total_.list_tests / listed),
           total_.list_budget, milliseconds(total_.list_seconds));

@@ -102,7 +102,8 @@ bool VertexStars::find_gap(const Motion& motion, Executor& executor) {
   };
   std::atomic<bool> moved = false;
   for_vertices([&](Index v) {
-    if (v < before && last_[v] != motion.point(v, 0)) moved.store(true, std::memory_order_relaxed);
+    if (!moved.load(std::memory_order_relaxed) && v < before && last_[v] != motion.point(v, 0))
+      moved.store(true, std::memory_order_relaxed);  // once, as workers share its cache line
   });
   if (moved) {
     if (gap_.vertex_count() != motion.vertex_count()) gap_ = Motion(motion.vertex_count(), 2);

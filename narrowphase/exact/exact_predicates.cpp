@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include <volccd/narrowphase/exact/detail/exact_approach.hpp>
 #include <volccd/narrowphase/exact/detail/exact_geometry.hpp>
 #include <volccd/narrowphase/exact/detail/first_time.hpp>
 #include <volccd/numerics/odd_parts.hpp>

@@ -22,12 +22,12 @@ const Registry& registry() {
   return all;
 }
 
-/// The presets that are not approximate, with decided tests; and VolCCD+ with a flood that declines nothing.
-std::vector<PipelineSpec> specs(bool decided) {
+/// The presets that are not approximate, with decided tests, and VolCCD+ with a flood that declines nothing.
+std::vector<PipelineSpec> specs() {
   std::vector<PipelineSpec> result;
   for (PipelineSpec spec : registry().pipelines()) {
     if (Pipeline(registry(), spec).guarantee() == Guarantee::approximate) continue;
-    if (decided) registry().apply_setting(spec, "inclusion.undecided=exact");
+    registry().apply_setting(spec, "inclusion.undecided=exact");
     result.push_back(spec);
     if (!spec.flood) continue;
     for (const char* setting : {"boundary-flood.max_boundary_fraction=1", "boundary-flood.max_suspect_fraction=1",
@@ -104,7 +104,7 @@ std::size_t compare(const PipelineSpec& spec, const Topology& topology, const Mo
 std::size_t compare_scenes(const Asked& query, bool quadratic = false) {
   std::size_t contacts = 0;
   for (const Scene& scene : scenes())
-    for (const PipelineSpec& spec : specs(query.separation == 0)) {
+    for (const PipelineSpec& spec : specs()) {
       SCOPED_TRACE(scene.name);
       contacts += compare(spec, scene.topology, quadratic ? curved(scene.motion, 9) : scene.motion, query);
     }
@@ -138,14 +138,14 @@ TEST(DistributedDetector, FeaturesOnCuts) {
     std::vector<Vec3> end = both.positions;
     for (std::size_t v = both.positions.size() - other.positions.size(); v < end.size(); ++v) end[v] -= Vec3(1, 1, 1);
     const Topology topology(both.mesh());
-    for (const PipelineSpec& spec : specs(separation == 0))
+    for (const PipelineSpec& spec : specs())
       EXPECT_GT(compare(spec, topology, Motion::linear(both.positions, end), {.separation = separation}), 20u);
   }
 }
 
 /// Elements go, and the same Detector goes on; so does the whole, with the workspace that it has.
 TEST(DistributedDetector, ErosionBetweenSteps) {
-  for (const PipelineSpec& spec : specs(true))
+  for (const PipelineSpec& spec : specs())
     for (const int ranks : {1, 3, 16}) {
       Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 3, 2, 2), 6, 0.2);
       StepRunner runner(Pipeline(registry(), spec));
@@ -164,7 +164,7 @@ TEST(DistributedDetector, ErosionBetweenSteps) {
 /// Pieces are kept while their elements are nearly the same, and made anew if not.
 TEST(DistributedDetector, MotionsOfSeveralSizes) {
   Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 4, 3, 2), 6, 0.1);
-  const PipelineSpec spec = specs(true).front();
+  const PipelineSpec spec = specs().front();
   Detector detector(registry(), spec, {.ranks = 7});
   StepRunner runner{Pipeline(registry(), spec)};
   Motion part;
@@ -176,7 +176,7 @@ TEST(DistributedDetector, MotionsOfSeveralSizes) {
 
 TEST(DistributedDetector, ShellNeighboursAreLeftOut) {
   const Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 3, 2, 2), 6, 0.3);
-  for (const PipelineSpec& spec : specs(true)) {
+  for (const PipelineSpec& spec : specs()) {
     EXPECT_GT(compare(spec, scene.topology, scene.motion, {.request = {.leave_out_shell_neighbours = true}}), 10u);
     EXPECT_FALSE(test::run_step({scene.topology, scene.motion, test::kAllObjects}, {.leave_out_shell_neighbours = true})
                      .left_out.empty());
@@ -194,6 +194,21 @@ TEST(DistributedDetector, RefusesWhatItCannotDo) {
   EXPECT_THROW(detector.step(scene.topology, scene.motion, {.candidates = &tests}), ConfigError);
   EXPECT_THROW(detector.step(scene.topology, Motion(3, 2)), InputError);
   EXPECT_THROW(detector.step(scene.topology, scene.motion, {.leave_out_shell_neighbours = true}), ConfigError);
+}
+
+/// The enlarged boxes of elements across all of space have infinite bounds.
+TEST(DistributedDetector, DividesElementsWhoseBoxesOverflow) {
+  constexpr double kHuge = 0x1.8p1023;
+  Mesh mesh;
+  mesh.add_vertices(8);
+  mesh.add_element({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}, .id = 0});
+  mesh.add_element({.type = ElementType::tetrahedron, .vertices = {4, 5, 6, 7}, .id = 1});
+  const Topology topology(std::move(mesh));
+  std::vector<Vec3> x0{{-1, -1, -1}, {1, -1, 0.5},  {-1, 1, 0.5},  {1, 1, 1},
+                       {-1, -1, 1},  {1, -1, -0.5}, {-1, 1, -0.5}, {1, 1, -1}};
+  for (Vec3& p : x0) p *= kHuge;
+  PipelineSpec spec = registry().pipeline("NavCCD");
+  EXPECT_GT(compare(spec, topology, Motion::linear(x0, x0), {.separation = kHuge}), 0u);
 }
 
 }  // namespace

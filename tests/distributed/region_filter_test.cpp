@@ -6,21 +6,12 @@
 #include <volccd/oracle/cases/colliding_scenes.hpp>
 
 #include "distributed/rank_numbers.hpp"
+#include "support/all_tests.hpp"
 #include "support/one_step.hpp"
 #include "support/stages.hpp"
 
 namespace volccd::distributed {
 namespace {
-
-/// All tests of a kind, VF: each vertex with each triangle.
-std::vector<FeaturePair> all_tests(const Features& features, FeatureKind kind) {
-  std::vector<FeaturePair> tests;
-  const bool vf = kind == FeatureKind::vf;
-  for (Index a = 0; a < (vf ? features.vertex_slots() : features.edge_slots()); ++a)
-    for (Index b = vf ? 0 : a + 1; b < (vf ? features.triangle_slots() : features.edge_slots()); ++b)
-      if (is_test(features, kind, {a, b})) tests.push_back({a, b});
-  return tests;
-}
 
 Box box_of(const Step& step, std::span<const Index> vertices) {
   Box box;
@@ -81,7 +72,7 @@ std::vector<Vec3> element_centres(const Step& step) {
 std::size_t check(const Step& step, FeatureKind kind, int ranks, const std::vector<Vec3>& points) {
   const Features& features = step.features();
   const Regions regions(points, std::vector<double>(points.size(), 1), ranks);
-  const std::vector<FeaturePair> tests = all_tests(features, kind);
+  const std::vector<FeaturePair> tests = test::all_tests(features, kind);
   const std::vector<int> keeper = keepers(step, regions, kind, tests);
   std::size_t touching = 0;
   for (std::size_t i = 0; i < tests.size(); ++i) {

@@ -9,6 +9,7 @@
 #include <volccd/core/random.hpp>
 
 #include "pipelines/scenes.hpp"
+#include "support/all_tests.hpp"
 
 namespace volccd {
 namespace {
@@ -111,21 +112,12 @@ struct Bench {
   TestChain chain;
 };
 
-std::vector<FeaturePair> all_tests(const Features& features, FeatureKind kind) {
-  std::vector<FeaturePair> tests;
-  const bool vf = kind == FeatureKind::vf;
-  for (Index a = 0; a < (vf ? features.vertex_slots() : features.edge_slots()); ++a)
-    for (Index b = vf ? 0 : a + 1; b < (vf ? features.triangle_slots() : features.edge_slots()); ++b)
-      if (is_test(features, kind, {a, b})) tests.push_back({a, b});
-  return tests;
-}
-
 TEST(TestChain, KeepsWhatAllFiltersKeepWhicheverWayTestsCome) {
   const test::Scene scene = test::colliding("tetrahedra", block(ElementType::tetrahedron, 2, 1, 1), 3, 0.1);
   const ObjectFilter everything;
   const Step step{scene.topology, scene.motion, everything, 0, 0.75};
   const Features& features = scene.topology.features();
-  const auto vf = all_tests(features, FeatureKind::vf), ee = all_tests(features, FeatureKind::ee);
+  const auto vf = test::all_tests(features, FeatureKind::vf), ee = test::all_tests(features, FeatureKind::ee);
   ASSERT_GT(ee.size(), 1000u);
   Random random(11);
   const std::vector<std::vector<std::uint64_t>> chains{{}, {1}, {2}, {3, 5}, {1, 2, 1}, {100}};
@@ -169,7 +161,7 @@ TEST(TestChain, LaterStagesRunOnFullBlocks) {
   const Step step{scene.topology, scene.motion, everything, 0, 0.75};
   Random random(12);
   Bench bench({10, 3});
-  bench.run(step, {}, all_tests(scene.topology.features(), FeatureKind::ee), random);
+  bench.run(step, {}, test::all_tests(scene.topology.features(), FeatureKind::ee), random);
   for (const std::vector<std::size_t>& sizes : {bench.sieves[1]->sizes, bench.narrow.sizes}) {
     ASSERT_FALSE(sizes.empty());
     for (std::size_t i = 0; i + 1 < sizes.size(); ++i) EXPECT_EQ(sizes[i], TestBlock::kCapacity);

@@ -1,4 +1,5 @@
-// The first time at which two features come within a distance, in exact arithmetic (docs/narrowphase_exact.md).
+#include <volccd/narrowphase/exact/detail/exact_approach.hpp>
+
 #include <volccd/narrowphase/exact/detail/exact_geometry.hpp>
 #include <volccd/narrowphase/exact/detail/first_time.hpp>
 
