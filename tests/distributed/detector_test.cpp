@@ -196,20 +196,5 @@ TEST(DistributedDetector, RefusesWhatItCannotDo) {
   EXPECT_THROW(detector.step(scene.topology, scene.motion, {.leave_out_shell_neighbours = true}), ConfigError);
 }
 
-/// The enlarged boxes of elements across all of space have infinite bounds.
-TEST(DistributedDetector, DividesElementsWhoseBoxesOverflow) {
-  constexpr double kHuge = 0x1.8p1023;
-  Mesh mesh;
-  mesh.add_vertices(8);
-  mesh.add_element({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}, .id = 0});
-  mesh.add_element({.type = ElementType::tetrahedron, .vertices = {4, 5, 6, 7}, .id = 1});
-  const Topology topology(std::move(mesh));
-  std::vector<Vec3> x0{{-1, -1, -1}, {1, -1, 0.5},  {-1, 1, 0.5},  {1, 1, 1},
-                       {-1, -1, 1},  {1, -1, -0.5}, {-1, 1, -0.5}, {1, 1, -1}};
-  for (Vec3& p : x0) p *= kHuge;
-  PipelineSpec spec = registry().pipeline("NavCCD");
-  EXPECT_GT(compare(spec, topology, Motion::linear(x0, x0), {.separation = kHuge}), 0u);
-}
-
 }  // namespace
 }  // namespace volccd::distributed
