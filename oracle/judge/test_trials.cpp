@@ -350,7 +350,8 @@ class BlockTrials {
   TestBlock block_;
 };
 
-/// Ordinary tests of both kinds, about half of which touch.
+/// Ordinary tests of both kinds, about half of which touch. They are the same for every seed, and none of them is
+/// undecided: a few of 100,000 random ones are, for which a narrow phase may use exact arithmetic, which allocates.
 void count_allocations(BlockStage& stage, StageTrials& trials, int control_points, bool required) {
   cases::TestScene scene(TestBlock::kCapacity);
   std::vector<FeaturePair> pairs[2];
@@ -359,7 +360,7 @@ void count_allocations(BlockStage& stage, StageTrials& trials, int control_point
       pairs[static_cast<std::size_t>(kind)].push_back(scene.pair(kind, i));
   const auto state = stage.stage().make_state();
   TestBlock block;
-  Random random(trials.config.seed);
+  Random random(1);
   Case c;
   c.control_points = control_points;
   c.sets = {std::vector<cases::Curve>(1), std::vector<cases::Curve>(3)};
