@@ -101,6 +101,7 @@ void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& execu
   if (build) {
     state.tree.build(step.mesh(), config_.leaf_size, state.vertices, executor);
     ++state.counters.builds;
+    if (config_.restructure != Restructure::always) state.tree.free_scratch();
   } else {
     state.tree.refit(state.vertices, executor);
     if (config_.restructure == Restructure::subtrees)

@@ -1,7 +1,9 @@
 #include <volccd/culling/element_kdop.hpp>
 
-#include <atomic>
+#include <algorithm>
+#include <bit>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <volccd/core/heap_bytes.hpp>
@@ -21,14 +23,31 @@ struct alignas(64) ElementRow {
   float low[kRowAxisCount], high[kRowAxisCount];
 };
 
-/// The bounds of the elements in a step. Row c of element o is at rows[o * control_points + c].
-struct ElementRows {
-  static constexpr std::uint8_t kMissing = 0, kBegun = 1, kReady = 2;
+/// The bounds of the elements that a worker looked up last in a step, in a direct-mapped cache: broad phases emit pairs
+/// of elements that are near each other one after the other.
+class ElementRows {
+ public:
+  void clear(std::size_t slots, std::size_t control_points) {
+    control_points_ = control_points;
+    elements_.assign(std::bit_ceil(std::clamp<std::size_t>(slots, 1, kMaxEntries)), kNone);
+    rows_.resize(elements_.size() * control_points);
+  }
 
-  std::vector<ElementRow> rows;
-  bool all_made;                       ///< otherwise rows are made when they are first asked for
-  std::vector<std::uint8_t> progress;  ///< by element, unless all are made; atomic
-  VertexRow half_separation;           ///< by which bounds are widened
+  bool share_entry(Index a, Index b) const { return entry(a) == entry(b); }
+  /// The rows of element o, by control point, and whether they must be made. Valid until the entry of o is looked up.
+  std::pair<ElementRow*, bool> find(Index o) {
+    return {rows_.data() + entry(o) * control_points_, std::exchange(elements_[entry(o)], o) != o};
+  }
+
+  std::size_t bytes() const { return heap_bytes(elements_, rows_); }
+
+ private:
+  static constexpr std::size_t kMaxEntries = std::size_t{1} << 14;
+  std::size_t entry(Index o) const { return o & (elements_.size() - 1); }
+
+  std::size_t control_points_ = 2;
+  std::vector<Index> elements_;  ///< by entry
+  std::vector<ElementRow> rows_;
 };
 
 }  // namespace volccd::detail
@@ -70,29 +89,10 @@ void bound_element(const Step& step, const VertexRow& half_separation, Index o, 
     }
 }
 
-/// The rows of an element. If another worker is just making them, they are made in `own` as well.
-template <std::size_t kControlPoints>
-HWY_INLINE const ElementRow* rows_of(const Step& step, ElementRows& all, Index o, ElementRow (&own)[kControlPoints]) {
-  const std::atomic_ref progress(all.progress[o]);
-  ElementRow* rows = all.rows.data() + o * kControlPoints;
-  if (all.all_made) return rows;
-  std::uint8_t seen = progress.load(std::memory_order_acquire);
-  if (seen == ElementRows::kReady) return rows;
-  if (seen == ElementRows::kMissing &&
-      progress.compare_exchange_strong(seen, ElementRows::kBegun, std::memory_order_relaxed)) {
-    bound_element(step, all.half_separation, o, rows);
-    progress.store(ElementRows::kReady, std::memory_order_release);
-    return rows;
-  }
-  bound_element(step, all.half_separation, o, own);
-  return own;
-}
-
-void bound_elements(const Step& step, ElementRows& all, std::size_t begin, std::size_t end) {
-  const auto controls = static_cast<std::size_t>(step.motion.control_points());
-  for (std::size_t o = begin; o < end; ++o)
-    if (step.mesh().is_live(static_cast<Index>(o)))
-      bound_element(step, all.half_separation, static_cast<Index>(o), all.rows.data() + o * controls);
+HWY_INLINE const ElementRow* rows_of(const Step& step, const VertexRow& half_separation, Index o, ElementRows& rows) {
+  const auto [found, missing] = rows.find(o);
+  if (missing) bound_element(step, half_separation, o, found);
+  return found;
 }
 
 template <std::size_t kControlPoints>
@@ -112,17 +112,20 @@ HWY_INLINE bool apart(const ElementRow* a, const ElementRow* b) {
 }
 
 template <std::size_t kControlPoints>
-void cull_pairs(const Step& step, ElementRows& rows, PairBatch& batch) {
-  ElementRow of_a[kControlPoints], of_b[kControlPoints];
+void cull_pairs(const Step& step, const VertexRow& half_separation, ElementRows& rows, PairBatch& batch) {
+  ElementRow other[kControlPoints];
   batch.cull([&](ElementPair pair, FeatureMask&) HWY_ATTR {
-    return apart<kControlPoints>(rows_of(step, rows, pair.a, of_a), rows_of(step, rows, pair.b, of_b))
-               ? PairVerdict::disjoint
-               : PairVerdict::keep;
+    const ElementRow *const a = rows_of(step, half_separation, pair.a, rows), *b = other;
+    if (rows.share_entry(pair.a, pair.b))
+      bound_element(step, half_separation, pair.b, other);
+    else
+      b = rows_of(step, half_separation, pair.b, rows);
+    return apart<kControlPoints>(a, b) ? PairVerdict::disjoint : PairVerdict::keep;
   });
 }
 
-void cull_by_rows(const Step& step, ElementRows& rows, PairBatch& batch) {
-  step.motion.control_points() == 2 ? cull_pairs<2>(step, rows, batch) : cull_pairs<3>(step, rows, batch);
+void cull_by_rows(const Step& step, const VertexRow& half_separation, ElementRows& rows, PairBatch& batch) {
+  (step.motion.control_points() == 2 ? cull_pairs<2> : cull_pairs<3>)(step, half_separation, rows, batch);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE
@@ -131,7 +134,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace volccd {
 namespace detail {
-HWY_EXPORT(bound_elements);
 HWY_EXPORT(cull_by_rows);
 }  // namespace detail
 
@@ -139,17 +141,16 @@ namespace {
 
 using namespace detail;
 
-constexpr std::size_t kElementGrain = 512;
-
 struct alignas(64) Worker {
-  std::size_t pairs = 0;
+  ElementRows rows;
+  std::size_t bytes() const { return heap_bytes(rows); }
 };
 
 struct ElementKdopState final : StageState {
-  ElementRows elements;
+  VertexRow half_separation;  ///< by which bounds are widened
   std::vector<Worker> workers;
 
-  std::size_t bytes() const override { return heap_bytes(elements.rows, elements.progress, workers); }
+  std::size_t bytes() const override { return heap_bytes(workers); }
 };
 
 }  // namespace
@@ -158,25 +159,15 @@ std::unique_ptr<StageState> ElementKdop::make_state() const { return std::make_u
 
 void ElementKdop::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   ElementKdopState& state = static_cast<ElementKdopState&>(stage_state);
-  const std::size_t slots = step.mesh().element_slots();
-  ElementRows& elements = state.elements;
-  std::size_t pairs = 0;  // of the last step
-  for (const Worker& worker : state.workers) pairs += worker.pairs;
-  state.workers.assign(executor.workers(), {});
-  elements.half_separation = row_of_distance(step.separation / 2);
-  elements.all_made = pairs > step.mesh().element_count();
-  elements.rows.resize(slots * static_cast<std::size_t>(step.motion.control_points()));
-  elements.progress.assign(slots, ElementRows::kMissing);
-  if (!elements.all_made) return;
-  executor.parallel_for(slots, kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    HWY_DYNAMIC_DISPATCH(bound_elements)(step, elements, begin, end);
-  });
+  state.half_separation = row_of_distance(step.separation / 2);
+  state.workers.resize(std::max<std::size_t>(state.workers.size(), executor.workers()));
+  for (Worker& worker : state.workers)
+    worker.rows.clear(step.mesh().element_slots(), static_cast<std::size_t>(step.motion.control_points()));
 }
 
 void ElementKdop::run(const Step& step, StageState& stage_state, unsigned worker, PairBatch& batch) const {
   ElementKdopState& state = static_cast<ElementKdopState&>(stage_state);
-  state.workers[worker].pairs += batch.size();
-  HWY_DYNAMIC_DISPATCH(cull_by_rows)(step, state.elements, batch);
+  HWY_DYNAMIC_DISPATCH(cull_by_rows)(step, state.half_separation, state.workers[worker].rows, batch);
 }
 
 StageDescriptor<ElementCulling> describe_element_kdop() {

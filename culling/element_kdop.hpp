@@ -9,9 +9,8 @@ namespace volccd {
 /// apart, and in the same order. In contrast to swept bounds, these are not affected by common motion, so that the
 /// stage drops most pairs of a broad phase for a fraction of the time of `csat`.
 ///
-/// Bounds are in single precision, 64 bytes for each control point of an element. prepare() computes those of all
-/// elements, on all threads, if the last step had more pairs than elements; otherwise run() computes them when a pair
-/// first contains the element.
+/// Bounds are in single precision. run() makes those of an element when a pair contains it, and each worker keeps the
+/// last ones, in at most 2 MiB for linear motion. No table of all elements is made.
 ///
 /// Guarantee: conservative in floating point for any finite coordinates: bounds are widened by more than all rounding
 /// errors. They hold over [0, 1] for every t_max.

@@ -150,7 +150,6 @@ std::vector<RingFace> StarTable::boundary_faces(const Topology& topology) const 
       }
     });
   }
-  found.shrink_to_fit();  // it is kept
   return found;
 }
 

@@ -6,6 +6,7 @@
 #include <volccd/experiments/tables/boundary_table.hpp>
 #include <volccd/experiments/tables/culling_counts.hpp>
 #include <volccd/experiments/tables/feature_sets.hpp>
+#include <volccd/experiments/tables/first_steps.hpp>
 #include <volccd/experiments/tables/inversion_table.hpp>
 #include <volccd/experiments/tables/operation_table.hpp>
 #include <volccd/experiments/tables/peers.hpp>
@@ -42,6 +43,8 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        peers_plan, peers_tables, peers_summary, peers_rows},
       {"substeps", "VolCCD+ on motions divided into 1 to 1000 substeps, with and without candidate lists",
        substeps_plan, substeps_tables, substeps_summary, substeps_rows},
+      {"first-steps", "VolCCD+: the first step of a mesh in parts (topology, tree, tables, the rest), beside later steps",
+       first_steps_plan, first_steps_tables, first_steps_summary, first_steps_rows},
       {"feature-sets", "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
        feature_set_plan, feature_set_tables, nullptr, feature_set_rows, false, false, true},
   };

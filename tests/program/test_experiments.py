@@ -93,7 +93,7 @@ class Experiments(ProgramTest):
     def test_committed_tables_are_those_of_their_records(self):
         results, compared = os.path.join(SOURCE, "results"), 0
         for name in ("table1", "culling", "ablation", "scaling", "operations", "projectile", "plus", "boundary",
-                     "inversion", "feature-sets", "peers", "substeps"):
+                     "inversion", "feature-sets", "peers", "substeps", "first-steps"):
             if os.path.exists(os.path.join(results, name + ".json")):
                 with open(os.path.join(results, name + ".txt"), encoding="utf-8") as file:
                     expected = file.read()

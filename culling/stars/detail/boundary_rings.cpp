@@ -7,7 +7,6 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/stars/detail/boundary_rings.cpp"
-#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <volccd/numerics/vector_lanes-inl.hpp>
 #include <volccd/query/vertex_records-inl.hpp>
@@ -38,11 +37,10 @@ template <int kControlPoints>
 class Normals {
  public:
   /// At most 8 faces, and at least one.
-  void gather(const Motion& motion, std::span<const RingFace> faces) {
+  void gather(const Motion& motion, std::span<const std::array<Index, 3>> faces) {
     for (std::size_t v = 0; v < 3; ++v)
       gather_records<PointRows, kControlPoints>(
-          motion, 8, [&](std::size_t i) HWY_ATTR { return faces[std::min(i, faces.size() - 1)].triangle[v]; },
-          points_[v][0]);
+          motion, 8, [&](std::size_t i) HWY_ATTR { return faces[std::min(i, faces.size() - 1)][v]; }, points_[v][0]);
   }
 
   void compute(bool edges) {
@@ -117,11 +115,11 @@ class Normals {
 };
 
 template <int kControlPoints, int kLanes>
-void normals_of(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
-                FaceNormal<kLanes>* out, double* longest_edges) {
+void normals_of(const Step& step, std::span<const std::array<Index, 3>> faces, FaceNormal<kLanes>* out,
+                double* longest_edges) {
   Normals<kControlPoints> normals;
-  for (std::size_t first = begin; first < end; first += 8) {
-    const std::size_t count = std::min<std::size_t>(8, end - first);
+  for (std::size_t first = 0; first < faces.size(); first += 8) {
+    const std::size_t count = std::min<std::size_t>(8, faces.size() - first);
     normals.gather(step.motion, faces.subspan(first, count));
     normals.compute(longest_edges != nullptr);
     for (std::size_t lane = 0; lane < count; ++lane) normals.store(lane, out[first + lane]);
@@ -139,8 +137,8 @@ HWY_INLINE const double* binomials() {
 
 /// Whether a ring folds; sets `up` to the sum of the unit normals of its triangles. kApart: with a separation.
 template <int kLanes, bool kApart>
-HWY_INLINE bool folds_at(const Rings& rings, std::span<const RingCorner> corners, const FaceNormal<kLanes>* normals,
-                         Vec3& up) {
+HWY_INLINE bool folds_at(double separation, std::span<const RingCorner> corners, const FaceNormal<kLanes>* normals,
+                         const double* longest_edges, Vec3& up) {
   const hn::CappedTag<double, kLanes> tag;
   double x = 0, y = 0, z = 0;
   for (const RingCorner& c : corners) {
@@ -150,13 +148,13 @@ HWY_INLINE bool folds_at(const Rings& rings, std::span<const RingCorner> corners
   }
   up = {x, y, z};
   const double size = std::abs(x) + std::abs(y) + std::abs(z);
-  const double gap = kApart ? separation_gap(rings.separation, x, y, z) : 0;
+  const double gap = kApart ? separation_gap(separation, x, y, z) : 0;
   const LaneVector<hn::Vec<decltype(tag)>> direction{hn::Set(tag, x), hn::Set(tag, y), hn::Set(tag, z)};
   for (const RingCorner& c : corners) {
     if (!c.tested) continue;
     const FaceNormal<kLanes>& normal = normals[c.face];
     const auto rounding = hn::Set(tag, double{normal.bound} * size);
-    const double area = kApart ? gap * rings.normals.longest_edges[c.face] : 0;
+    const double area = kApart ? gap * longest_edges[c.face] : 0;
     for (int k = 0; k < kLanes; k += static_cast<int>(hn::Lanes(tag))) {
       auto bound = rounding;
       if (kApart) bound = hn::Add(bound, hn::Mul(hn::Set(tag, area), hn::Load(tag, binomials<kLanes>() + k)));
@@ -169,32 +167,23 @@ HWY_INLINE bool folds_at(const Rings& rings, std::span<const RingCorner> corners
   return false;
 }
 
-template <int kLanes, bool kApart>
-void folds_of(const Rings& rings, const FaceNormal<kLanes>* normals, std::size_t begin, std::size_t end) {
-  constexpr Index ahead = 16;  // corners, whose normals are prefetched
-  const Index last = rings.begins[end];
-  for (std::size_t v = begin; v < end; ++v) {
-    for (Index i = rings.begins[v] + ahead; i < std::min(rings.begins[v + 1] + ahead, last); ++i)
-      hwy::Prefetch(normals + rings.corners[i].face);
-    const std::span<const RingCorner> corners(rings.corners + rings.begins[v], rings.corners + rings.begins[v + 1]);
-    rings.folds[v] = folds_at<kLanes, kApart>(rings, corners, normals, rings.ups[v]) ? 1 : 0;
+template <int kControlPoints, int kLanes>
+void folds_of(const Step& step, const RingGroup& group, FaceNormal<kLanes>* normals) {
+  double* const longest_edges = group.normals.longest_edges;
+  normals_of<kControlPoints>(step, group.triangles, normals, longest_edges);
+  for (Index v = group.begin; v < group.end; ++v) {
+    const std::span<const RingCorner> corners(group.corners + group.begins[v], group.corners + group.begins[v + 1]);
+    const bool folds =
+        step.separation > 0
+            ? folds_at<kLanes, true>(step.separation, corners, normals, longest_edges, group.ups[v])
+            : folds_at<kLanes, false>(0, corners, normals, nullptr, group.ups[v]);
+    group.folds[v] = folds ? 1 : 0;
   }
 }
 
-void find_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
-                  const FaceNormals& out) {
-  if (step.motion.control_points() == 2) return normals_of<2>(step, faces, begin, end, out.linear, out.longest_edges);
-  normals_of<3>(step, faces, begin, end, out.quadratic, out.longest_edges);
-}
-
-void find_ring_folds(const Rings& rings, bool linear, std::size_t begin, std::size_t end) {
-  const FaceNormals& normals = rings.normals;
-  if (rings.separation > 0)
-    linear ? folds_of<4, true>(rings, normals.linear, begin, end)
-           : folds_of<8, true>(rings, normals.quadratic, begin, end);
-  else
-    linear ? folds_of<4, false>(rings, normals.linear, begin, end)
-           : folds_of<8, false>(rings, normals.quadratic, begin, end);
+void find_group_folds(const Step& step, const RingGroup& group) {
+  step.motion.control_points() == 2 ? folds_of<2>(step, group, group.normals.linear)
+                                    : folds_of<3>(step, group, group.normals.quadratic);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE
@@ -203,44 +192,76 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace volccd::detail {
 
-HWY_EXPORT(find_normals);
-HWY_EXPORT(find_ring_folds);
+HWY_EXPORT(find_group_folds);
 
 namespace {
-constexpr std::size_t kFaceGrain = 512, kRingGrain = 256;
+/// Vertices of a group. The normals of its faces are in the second-level cache.
+constexpr Index kGroup = 1024;
 }  // namespace
 
-void BoundaryRings::set_faces(const Mesh& mesh, std::vector<RingFace> faces) {
+FaceNormals BoundaryRings::Normals::resize(std::size_t triangles, const Step& step) {
+  if (step.motion.control_points() == 2)
+    linear.resize(std::max(linear.size(), triangles));
+  else
+    quadratic.resize(std::max(quadratic.size(), triangles));
+  if (step.separation > 0) longest_edges.resize(std::max(longest_edges.size(), triangles));
+  return {linear.data(), quadratic.data(), step.separation > 0 ? longest_edges.data() : nullptr};
+}
+
+void BoundaryRings::set_faces(const Mesh& mesh, std::span<const RingFace> faces) {
   if (faces.size() > RingCorner::kMaxFaces) throw Error("a mesh with more than 2^30 boundary triangles");
-  faces_ = std::move(faces);
   ups_.resize(mesh.vertex_count());
   begins_.assign(mesh.vertex_count() + std::size_t{1}, 0);
   const auto visit_corners = [&](auto&& visit) {
-    for (std::size_t f = 0; f < faces_.size(); ++f)
+    for (std::size_t f = 0; f < faces.size(); ++f)
       for (unsigned i = 0; i < 4; ++i)
-        if (i < 3 || faces_[f].fourth != kNone)
-          visit(faces_[f].vertex(i), RingCorner{static_cast<Index>(f) & (RingCorner::kMaxFaces - 1), i < 3,
-                                                (faces_[f].tested >> i & 1) != 0});
+        if (i < 3 || faces[f].fourth != kNone)
+          visit(faces[f].vertex(i), RingCorner{static_cast<Index>(f) & (RingCorner::kMaxFaces - 1), i < 3,
+                                               (faces[f].tested >> i & 1) != 0});
   };
   visit_corners([&](Index v, const RingCorner&) { ++begins_[v]; });
   Index end = 0;
   for (Index& begin : begins_) begin = end += begin;  // the ends; filling moves them to the beginnings
   corners_.resize(end);
   visit_corners([&](Index v, const RingCorner& corner) { corners_[--begins_[v]] = corner; });
+  group_triangles(faces);
+}
+
+/// Lists the triangles of the groups, and makes the faces of corners places among those of their group.
+void BoundaryRings::group_triangles(std::span<const RingFace> faces) {
+  std::vector<std::size_t> places(faces.size(), 0);  // 1 + that in triangles_ where the face is last
+  triangles_.clear();
+  triangles_.reserve(faces.size());
+  groups_.assign(1, 0);
+  const auto vertices = static_cast<Index>(ups_.size());
+  for (Index begin = 0; begin < vertices; begin += kGroup) {
+    const std::size_t first = triangles_.size();
+    for (Index i = begins_[begin]; i < begins_[std::min(begin + kGroup, vertices)]; ++i) {
+      std::size_t& place = places[corners_[i].face];
+      if (place <= first) {
+        triangles_.push_back(faces[corners_[i].face].triangle);
+        place = triangles_.size();
+      }
+      corners_[i].face = static_cast<Index>(place - 1 - first) & (RingCorner::kMaxFaces - 1);
+    }
+    groups_.push_back(triangles_.size());
+  }
+  triangles_.shrink_to_fit();
 }
 
 void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds) {
-  const bool linear = step.motion.control_points() == 2;
-  folds.resize(ups_.size());
-  linear ? linear_.resize(faces_.size()) : quadratic_.resize(faces_.size());
-  if (step.separation > 0) longest_edges_.resize(faces_.size());
-  const FaceNormals normals{linear_.data(), quadratic_.data(), step.separation > 0 ? longest_edges_.data() : nullptr};
-  executor.parallel_for(faces_.size(), kFaceGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    HWY_DYNAMIC_DISPATCH(find_normals)(step, faces_, begin, end, normals);
-  });
-  const Rings rings{corners_.data(), begins_.data(), ups_.data(), folds.data(), step.separation, normals};
-  executor.parallel_for(ups_.size(), kRingGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    HWY_DYNAMIC_DISPATCH(find_ring_folds)(rings, linear, begin, end);
+  const auto vertices = static_cast<Index>(ups_.size());
+  folds.resize(vertices);
+  normals_.resize(std::max<std::size_t>(normals_.size(), executor.workers()));
+  executor.parallel_for(groups_.size() - 1, 1, [&](std::size_t begin, std::size_t end, unsigned w) {
+    for (std::size_t g = begin; g < end; ++g) {
+      const std::span triangles(triangles_.data() + groups_[g], groups_[g + 1] - groups_[g]);
+      const Index first = static_cast<Index>(g) * kGroup;
+      const RingGroup group{first,          std::min(first + kGroup, vertices), triangles,
+                            corners_.data(), begins_.data(),                     ups_.data(),
+                            folds.data(),    normals_[w].resize(triangles.size(), step)};
+      HWY_DYNAMIC_DISPATCH(find_group_folds)(step, group);
+    }
   });
 }
 

@@ -21,11 +21,10 @@ struct RingFace {
   Index vertex(std::size_t i) const { return i < 3 ? triangle[i] : fourth; }
 };
 
-/// A face at a vertex, and whether the vertex is one of its triangle and is tested with it. There may be up to
-/// kMaxFaces faces, whose normals would have 64 GiB.
+/// A face at a vertex, and whether the vertex is one of its triangle and is tested with it.
 struct RingCorner {
   static constexpr Index kMaxFaces = Index{1} << 30;
-  Index face : 30;
+  Index face : 30;  ///< a place among the triangles of the vertex's group
   bool of_triangle : 1, tested : 1;
 };
 
@@ -38,29 +37,33 @@ struct alignas(64) FaceNormal {
   float bound;  ///< for any vector n, the error of dot(n, coefficient) is less than |n|_1 times this bound
 };
 
-/// By face: the normals, in the first or the second list, and upper bounds on the longest edges throughout the step,
-/// divided as the normals; null without a separation.
+/// By triangle of a group: the normals, in the first or the second list, and upper bounds on the longest edges
+/// throughout the step, divided as the normals; null without a separation.
 struct FaceNormals {
   FaceNormal<4>* linear;
   FaceNormal<8>* quadratic;
   double* longest_edges;
 };
 
-/// The rings of all vertices, for the kernels: the corners of vertex v are corners[begins[v] .. begins[v + 1]).
-struct Rings {
+/// A group of vertices and the boundary triangles at them, for the kernel: the corners of vertex v are corners[begins[v]
+/// .. begins[v + 1]). `normals` is memory for those of all triangles.
+struct RingGroup {
+  Index begin, end;
+  std::span<const std::array<Index, 3>> triangles;
   const RingCorner* corners;
   const Index* begins;
   Vec3* ups;
   std::uint8_t* folds;
-  double separation;
   FaceNormals normals;
 };
 
-/// The boundary faces of a mesh. Not thread-safe; uses the executor.
+/// The boundary faces of a mesh. Normals are found for one group of consecutive vertices after another, so that they
+/// remain in the cache, and once more for a face whose vertices are in several groups. Not thread-safe; uses the
+/// executor.
 class BoundaryRings {
  public:
   /// Replaces the faces. Every vertex that is tested is a vertex of a triangle. Throws Error if there are too many.
-  void set_faces(const Mesh& mesh, std::vector<RingFace> faces);
+  void set_faces(const Mesh& mesh, std::span<const RingFace> faces);
 
   /// Sets folds[v] to 1 for each vertex v of the faces, unless the normals of all faces that are tested for v have
   /// positive dot products with the direction up(v), the sum of the unit normals of its triangles, throughout the step.
@@ -70,16 +73,25 @@ class BoundaryRings {
   void find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds);
   const Vec3& up(Index v) const { return ups_[v]; }
 
-  std::size_t bytes() const { return heap_bytes(faces_, linear_, quadratic_, longest_edges_, ups_, begins_, corners_); }
+  std::size_t bytes() const { return heap_bytes(triangles_, groups_, ups_, begins_, corners_, normals_); }
 
  private:
-  std::vector<RingFace> faces_;
-  std::vector<FaceNormal<4>> linear_;
-  std::vector<FaceNormal<8>> quadratic_;
-  std::vector<double> longest_edges_;  ///< by face, as in FaceNormals
-  std::vector<Vec3> ups_;              ///< by vertex
-  std::vector<Index> begins_;          ///< by vertex: where its corners begin
-  std::vector<RingCorner> corners_;    ///< of one vertex after the other
+  /// Memory for the normals of a group.
+  struct Normals {
+    std::vector<FaceNormal<4>> linear;
+    std::vector<FaceNormal<8>> quadratic;
+    std::vector<double> longest_edges;
+    FaceNormals resize(std::size_t triangles, const Step& step);
+    std::size_t bytes() const { return heap_bytes(linear, quadratic, longest_edges); }
+  };
+  void group_triangles(std::span<const RingFace> faces);
+
+  std::vector<std::array<Index, 3>> triangles_;  ///< of one group after the other
+  std::vector<std::size_t> groups_ = {0};        ///< by group: where its triangles begin
+  std::vector<Vec3> ups_;                        ///< by vertex
+  std::vector<Index> begins_;                    ///< by vertex: where its corners begin
+  std::vector<RingCorner> corners_;              ///< of one vertex after the other
+  std::vector<Normals> normals_;                 ///< by worker
 };
 
 }  // namespace volccd::detail
