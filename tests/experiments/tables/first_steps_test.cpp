@@ -16,14 +16,14 @@ using nlohmann::json;
 class FirstStepsExperiment : public testing::Test {
  protected:
   PlanContext context(const std::string& available) {
-    return {.registry = registry_, .file_of = [this, available](const std::string& name) {
+    return {registry_, false, {}, {}, [this, available](const std::string& name) {
               return name == available ? std::optional(file_) : std::nullopt;
             }};
   }
 
   const Registry registry_ = Registry::standard();
-  ScratchFolder folder_{"first_steps_test"};
-  const std::string file_ = folder_.file("scene.vtkhdf");
+  const ScratchFolder folder_;
+  const std::string file_ = folder_ / "scene.vtkhdf";
 };
 
 TEST_F(FirstStepsExperiment, RowsHaveTheParts) {
@@ -47,7 +47,7 @@ TEST_F(FirstStepsExperiment, RowsHaveTheParts) {
 }
 
 TEST_F(FirstStepsExperiment, TheOnlyMotionOfASequenceIsRepeated) {
-  write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "1"}}), file_);
+  write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "2"}}), file_);
   for (const json& row : first_steps_rows(context("cloth-ball"))) EXPECT_GT(row.at("later_s").get<double>(), 0);
 }
 
