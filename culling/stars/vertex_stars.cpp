@@ -152,7 +152,7 @@ int VertexStars::proven_sign(const Step& step, Index v) const {
 /// Condition 4. For shells only the ring has to go around once.
 bool VertexStars::surrounds_once(const Step& step, Index v, int sign, Ring& scratch) const {
   if (table_.kind(v) == StarKind::interior) return cones_go_once_around(step, v, sign < 0);
-  const Vec3& up = rings_.up(v);
+  const Vec3 up = rings_.up(v);
   return winds_once(step.motion, v, table_.ring(step.topology, v, scratch), up) &&
          (StarTable::has_shells(step.topology, v) || cones_exclude(step, v, sign < 0, sign * up));
 }

@@ -138,15 +138,16 @@ HWY_INLINE const double* binomials() {
 /// Whether a ring folds; sets `up` to the sum of the unit normals of its triangles. kApart: with a separation.
 template <int kLanes, bool kApart>
 HWY_INLINE bool folds_at(double separation, std::span<const RingCorner> corners, const FaceNormal<kLanes>* normals,
-                         const double* longest_edges, Vec3& up) {
+                         const double* longest_edges, Eigen::Vector3f& up) {
   const hn::CappedTag<double, kLanes> tag;
-  double x = 0, y = 0, z = 0;
+  Vec3 sum = Vec3::Zero();
   for (const RingCorner& c : corners) {
     if (!c.of_triangle) continue;
     const float* const unit = normals[c.face].unit;
-    x += double{unit[0]}, y += double{unit[1]}, z += double{unit[2]};
+    sum += Vec3(double{unit[0]}, double{unit[1]}, double{unit[2]});
   }
-  up = {x, y, z};
+  up = sum.cast<float>();  // any direction would do
+  const double x = double{up[0]}, y = double{up[1]}, z = double{up[2]};
   const double size = std::abs(x) + std::abs(y) + std::abs(z);
   const double gap = kApart ? separation_gap(separation, x, y, z) : 0;
   const LaneVector<hn::Vec<decltype(tag)>> direction{hn::Set(tag, x), hn::Set(tag, y), hn::Set(tag, z)};
@@ -196,7 +197,7 @@ HWY_EXPORT(find_group_folds);
 
 namespace {
 /// Vertices of a group. The normals of its faces are in the second-level cache.
-constexpr Index kGroup = 1024;
+constexpr Index kGroup = 2048;
 }  // namespace
 
 FaceNormals BoundaryRings::Normals::resize(std::size_t triangles, const Step& step) {

@@ -52,7 +52,7 @@ struct RingGroup {
   std::span<const std::array<Index, 3>> triangles;
   const RingCorner* corners;
   const Index* begins;
-  Vec3* ups;
+  Eigen::Vector3f* ups;
   std::uint8_t* folds;
   FaceNormals normals;
 };
@@ -66,12 +66,12 @@ class BoundaryRings {
   void set_faces(const Mesh& mesh, std::span<const RingFace> faces);
 
   /// Sets folds[v] to 1 for each vertex v of the faces, unless the normals of all faces that are tested for v have
-  /// positive dot products with the direction up(v), the sum of the unit normals of its triangles, throughout the step.
+  /// positive dot products with the direction up(v), the rounded sum of the unit normals of its triangles, throughout the step.
   /// With a separation d > 0, also if some vertices are displaced by w/2, others by -w/2, and the rest not, for any w
   /// with |w| <= d: this changes a normal by the cross product of w and a vector that is no longer than its longest
   /// edge. Sets all others to 0.
   void find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds);
-  const Vec3& up(Index v) const { return ups_[v]; }
+  Vec3 up(Index v) const { return ups_[v].cast<double>(); }
 
   std::size_t bytes() const { return heap_bytes(triangles_, groups_, ups_, begins_, corners_, normals_); }
 
@@ -88,7 +88,7 @@ class BoundaryRings {
 
   std::vector<std::array<Index, 3>> triangles_;  ///< of one group after the other
   std::vector<std::size_t> groups_ = {0};        ///< by group: where its triangles begin
-  std::vector<Vec3> ups_;                        ///< by vertex
+  std::vector<Eigen::Vector3f> ups_;             ///< by vertex
   std::vector<Index> begins_;                    ///< by vertex: where its corners begin
   std::vector<RingCorner> corners_;              ///< of one vertex after the other
   std::vector<Normals> normals_;                 ///< by worker
