@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -283,6 +284,57 @@ TEST(BoundaryRings, NoSliverPassesByRounding) {
   }
   EXPECT_GT(passed, 50);
   EXPECT_GT(folded, 1000);
+}
+
+/// Normals are found by groups of vertices, and here most faces have vertices in several.
+TEST(BoundaryRings, AVertexIsTestedWithItsOwnFaces) {
+  constexpr Index kWidth = 80, kVertices = kWidth * kWidth;
+  Random random(5);
+  std::vector<Index> numbers(kVertices);
+  std::iota(numbers.begin(), numbers.end(), Index{0});
+  random.shuffle(numbers);
+  Shape shape;
+  shape.positions.resize(kVertices);
+  std::vector<Vec3> end(kVertices);
+  const auto vertex = [&](Index i, Index j) { return numbers[i * kWidth + j]; };
+  for (Index i = 0; i < kWidth; ++i)
+    for (Index j = 0; j < kWidth; ++j) {
+      shape.positions[vertex(i, j)] = Vec3(i, j, random.uniform(0, 0.3));
+      end[vertex(i, j)] = shape.positions[vertex(i, j)] + 0.7 * random_vector(random);
+    }
+  std::vector<RingFace> faces;
+  for (Index i = 0; i + 1 < kWidth; ++i)
+    for (Index j = 0; j + 1 < kWidth; ++j) {
+      faces.push_back({{vertex(i, j), vertex(i + 1, j), vertex(i, j + 1)}});
+      faces.push_back({{vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)}});
+    }
+  for (const RingFace& face : faces)
+    shape.elements.push_back({ElementType::triangle, {face.triangle[0], face.triangle[1], face.triangle[2]}, {}, 0,
+                              static_cast<std::int64_t>(shape.elements.size())});
+  const Topology topology(shape.mesh());
+  const Motion motion = Motion::linear(shape.positions, end);
+  const ObjectFilter filter;
+  for (const double separation : {0.0, 0.1}) {
+    const Step step{topology, motion, filter, separation};
+    SerialExecutor executor;
+    BoundaryRings all, own;
+    std::vector<std::uint8_t> folds, own_folds;
+    all.set_faces(topology.mesh(), faces);
+    all.find_folds(step, executor, folds);
+    int folded = 0;
+    for (Index v = 0; v < kVertices; v += 31) {
+      std::vector<RingFace> at_vertex;
+      for (const RingFace& face : faces)
+        if (std::ranges::count(face.triangle, v) > 0) at_vertex.push_back(face);
+      own.set_faces(topology.mesh(), at_vertex);
+      own.find_folds(step, executor, own_folds);
+      EXPECT_EQ(folds[v], own_folds[v]) << "vertex " << v;
+      EXPECT_EQ(all.up(v), own.up(v)) << "vertex " << v;
+      folded += folds[v];
+    }
+    EXPECT_GT(folded, 20);
+    EXPECT_LT(folded, 180);
+  }
 }
 
 }  // namespace
