@@ -59,7 +59,7 @@ set(without -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_DISABLE_FIND_PACKAGE_GM
 # objects, and installs it into WORK_DIR/name.
 function(install_library name shared)
   run("configure" "${CMAKE_COMMAND}" -S "${PROJECT_DIR}" -B "${BUILD_DIR}" "-DBUILD_SHARED_LIBS=${shared}")
-  run("build" "${CMAKE_COMMAND}" --build "${BUILD_DIR}" --target volccd_io volccd_distributed)
+  run("build" "${CMAKE_COMMAND}" --build "${BUILD_DIR}" --target volccd_io volccd_distributed volccd_c)
   file(REMOVE_RECURSE "${WORK_DIR}/${name}")
   run("install" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${WORK_DIR}/${name}")
 endfunction()
