@@ -48,7 +48,7 @@ module volccd
   type, bind(c) :: volccd_contact
     integer(c_int32_t) :: kind                                        ! volccd_vf or volccd_ee
     integer(c_int32_t) :: at_start                                    ! 1 if the features touch at time 0
-    integer(c_int64_t) :: vertices(4)                                 ! from 1
+    integer(c_int64_t) :: vertices(4)                                 ! thickened shells: v stems from (v - 1) / 3 + 1
     integer(c_int64_t) :: elements(2)                                 ! ids
     integer(c_int32_t) :: objects(2)
     real(c_double) :: time
