@@ -17,7 +17,8 @@ EdgeSet edges_of(std::int32_t edges) {
   switch (edges) {
     case VOLCCD_EDGES_TRIANGULATED: return EdgeSet::triangulated;
     case VOLCCD_EDGES_POLYTOPE: return EdgeSet::polytope;
-    default: throw ArgumentError(fmt::format("options.edges: {} is none of VOLCCD_EDGES_TRIANGULATED, _POLYTOPE", edges));
+    default:
+      throw ArgumentError(fmt::format("options.edges: {} is none of VOLCCD_EDGES_TRIANGULATED, _POLYTOPE", edges));
   }
 }
 
@@ -28,7 +29,8 @@ ListConfig lists_of(const volccd_options& options) {
     case VOLCCD_LISTS_ALWAYS:
       return {.use = ListConfig::Use::always, .budget = options.list_budget, .steps = options.list_steps};
     default:
-      throw ArgumentError(fmt::format("options.lists: {} is none of VOLCCD_LISTS_NEVER, _AUTO, _ALWAYS", options.lists));
+      throw ArgumentError(
+          fmt::format("options.lists: {} is none of VOLCCD_LISTS_NEVER, _AUTO, _ALWAYS", options.lists));
   }
 }
 
@@ -50,7 +52,7 @@ std::vector<std::string> settings_of(const volccd_options& options) {
   return settings;
 }
 
-/// A member of the struct that messages call `name`; empty if it is NULL.
+/// Empty if it is NULL.
 template <class T>
 std::span<const T> optional_array(const T* data, std::size_t size) {
   return data ? std::span<const T>(data, size) : std::span<const T>();
@@ -71,22 +73,22 @@ Index vertex_count_of(const char* name, std::int64_t count, Index present, bool 
 }
 
 CellArrays cells_of(const char* name, const volccd_cells& cells) {
-  const auto member = [&](const char* which) { return fmt::format("{}.{}", name, which); };
-  const std::size_t n = size_of(member("count").c_str(), cells.count, sizeof(std::int64_t));
-  const std::size_t offsets = n == 0 && !cells.offsets ? 0 : n + 1;
-  CellArrays views{
-      .types = array_of(member("types").c_str(), cells.types, n),
-      .offsets = array_of(member("offsets").c_str(), cells.offsets, offsets),
-      .connectivity = array_of(member("connectivity").c_str(), cells.connectivity,
-                               size_of(member("connectivity_size").c_str(), cells.connectivity_size, sizeof(std::int64_t))),
-      .ids = optional_array(cells.ids, n),
-      .objects = optional_array(cells.objects, n),
-      .face_offsets = optional_array(cells.face_offsets, n + 1),
-      .faces = array_of(member("faces").c_str(), cells.faces,
-                        size_of(member("faces_size").c_str(), cells.faces_size, sizeof(std::int64_t)))};
-  static constexpr std::int64_t kNoOffsets = 0;
-  if (offsets == 0) views.offsets = {&kNoOffsets, 1};  // of no cells
-  return views;
+  const auto size = [name](const char* member, std::int64_t n) {
+    return size_of(fmt::format("{}.{}", name, member).c_str(), n, sizeof(std::int64_t));
+  };
+  const auto array = [name](const char* member, const auto* data, std::size_t n) {
+    return array_of(fmt::format("{}.{}", name, member).c_str(), data, n);
+  };
+  static constexpr std::int64_t kOffsetsOfNone[] = {0};
+  const std::size_t n = size("count", cells.count);
+  const std::int64_t* const offsets = n == 0 && !cells.offsets ? kOffsetsOfNone : cells.offsets;
+  return {.types = array("types", cells.types, n),
+          .offsets = array("offsets", offsets, n + 1),
+          .connectivity = array("connectivity", cells.connectivity, size("connectivity_size", cells.connectivity_size)),
+          .ids = optional_array(cells.ids, n),
+          .objects = optional_array(cells.objects, n),
+          .face_offsets = optional_array(cells.face_offsets, n + 1),
+          .faces = array("faces", cells.faces, size("faces_size", cells.faces_size))};
 }
 
 std::span<const double> thickness_of(const char* name, const volccd_cells& cells) {

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include <volccd/capi/guard.hpp>
 #include <volccd/capi/volccd.h>
+#include <volccd/capi/guard.hpp>
 #include <volccd/mesh/cell_arrays.hpp>
 #include <volccd/pipelines/detector.hpp>
 
@@ -26,7 +26,8 @@ T& object_of(const char* name, T* pointer) {
 /// A size that must not be negative, nor greater than that of an array of values of `bytes` bytes.
 inline std::size_t size_of(const char* name, std::int64_t size, std::size_t bytes = 1) {
   if (size < 0) throw ArgumentError(fmt::format("{}: {} is negative", name, size));
-  if (static_cast<std::uint64_t>(size) >= static_cast<std::uint64_t>(std::numeric_limits<std::ptrdiff_t>::max()) / bytes)
+  if (static_cast<std::uint64_t>(size) >=
+      static_cast<std::uint64_t>(std::numeric_limits<std::ptrdiff_t>::max()) / bytes)
     throw ArgumentError(fmt::format("{}: {} is more than an array can have", name, size));
   return static_cast<std::size_t>(size);
 }

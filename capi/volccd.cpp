@@ -44,7 +44,6 @@ DetectorEdit edit_of(const Detector& detector, const std::int64_t* removed, std:
 template <class Step>
 void run_step(volccd_detector* handle, Step&& step) {
   volccd_detector& d = object_of("detector", handle);
-  clear(d.results);
   try {
     step(d.detector);
     fill(d.results, d.detector.result(), d.detector.topology().mesh());
@@ -55,7 +54,8 @@ void run_step(volccd_detector* handle, Step&& step) {
 }
 
 template <class T>
-void give(const std::vector<T>& values, std::size_t values_per_entry, const char* name, const T** out, std::int64_t* count) {
+void give(const std::vector<T>& values, std::size_t values_per_entry, const char* name, const T** out,
+          std::int64_t* count) {
   const T*& values_out = object_of(name, out);
   object_of("count", count) = static_cast<std::int64_t>(values.size() / values_per_entry);
   values_out = values.data();
@@ -75,8 +75,8 @@ int volccd_create(int64_t vertex_count, const volccd_cells* cells, const volccd_
   return guarded([&] {
     volccd_detector*& out = object_of("detector", detector);
     const volccd_options defaults{};
-    out = std::make_unique<volccd_detector>(volccd_detector{make_detector(vertex_count, object_of("cells", cells),
-                                                                          options ? *options : defaults)})
+    out = std::make_unique<volccd_detector>(
+              volccd_detector{make_detector(vertex_count, object_of("cells", cells), options ? *options : defaults)})
               .release();
   });
 }

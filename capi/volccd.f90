@@ -7,8 +7,8 @@
 !
 ! Numbers in messages begin with 0, as in C.
 !
-! Threads: a detector is used by one thread at a time; different detectors are independent. Arrays of results are copies;
-! before the first step they are empty.
+! Threads: a detector is used by one thread at a time; different detectors are independent. Arrays of results are
+! copies; before the first step they are empty.
 module volccd
   use, intrinsic :: iso_c_binding
   use, intrinsic :: iso_fortran_env, only: error_unit
@@ -35,7 +35,7 @@ module volccd
   ! How contacts are found; members as in volccd.h.
   type :: volccd_options
     character(len=:), allocatable :: pipeline                         ! "VolCCD+" if it is not set
-    character(len=:), allocatable :: settings                         ! with blanks: "element-culling=csat csat.axis=optimal"
+    character(len=:), allocatable :: settings                         ! "element-culling=csat csat.axis=optimal"
     integer :: threads = 0                                            ! 0: as many as the hardware has
     integer :: pairs = volccd_pairs_all
     real(c_double) :: separation = 0

@@ -1,4 +1,4 @@
-/* The library for C and for every language that calls C: the Detector (volccd/pipelines/detector.hpp) with plain arrays.
+/* The library for C and for all languages that call C: the Detector (volccd/pipelines/detector.hpp) with plain arrays.
  *
  * Functions return VOLCCD_OK or the code of an error, whose message volccd_last_error() has. No C++ exception leaves a
  * function and none ends the program. After an error, output arguments are unchanged. Sizes are checked against each
@@ -59,7 +59,7 @@ enum { VOLCCD_EDGES_TRIANGULATED = 0, VOLCCD_EDGES_POLYTOPE = 1 };
 /* How contacts are found. All members 0 or NULL: the defaults. */
 typedef struct volccd_options {
   const char* pipeline;        /* NULL: "VolCCD+" */
-  const char* const* settings; /* [setting_count] changes of the pipeline: "csat.axis=optimal", "element-culling=csat" */
+  const char* const* settings; /* [setting_count] changes of it: "csat.axis=optimal", "element-culling=csat" */
   int64_t setting_count;
   int32_t threads;         /* 0: as many as the hardware has */
   int32_t pairs;           /* VOLCCD_PAIRS_...: contacts of all objects, between objects only, within objects only */

@@ -1,6 +1,6 @@
-/* A cube of springs falls onto a fixed plate and bounces: an explicit loop with penalty forces from the contacts that the
- * library finds. Prints the contacts of each twentieth step and, at the end, totals. docs/into_a_solver.md explains it;
- * examples/fortran/bouncing_cube.f90 prints the same. */
+/* A cube of springs falls onto a fixed plate and bounces: an explicit loop with penalty forces from the contacts that
+ * the library finds. Prints the contacts of each twentieth step and, at the end, totals. docs/into_a_solver.md explains
+ * it; examples/fortran/bouncing_cube.f90 prints the same. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -152,8 +152,9 @@ TEST(CResults, OfTheEarliestContact) {
   volccd_options options{};
   options.pairs = VOLCCD_PAIRS_INTER;
   const Handle between = create(shape.positions.size(), Arrays(shape).cells(), options);
-  ASSERT_EQ(volccd_first(between.get(), count(x1), values(shape.positions), values(shape.positions), &contact, &is_found),
-            VOLCCD_OK);
+  ASSERT_EQ(
+      volccd_first(between.get(), count(x1), values(shape.positions), values(shape.positions), &contact, &is_found),
+      VOLCCD_OK);
   EXPECT_EQ(is_found, 0);
   EXPECT_EQ(contact.kind, 77) << "without a contact it is unchanged";
 }
