@@ -2,6 +2,7 @@
 # build/packages`.
 #   volccd           the program, importer and plots
 #   libvolccd-dev    headers, libraries, CMake and pkg-config files, the component `program` included
+#   libvolccd-c      the shared library for C
 #   python3-volccd   the Python module, where it is built
 set(CPACK_PACKAGE_NAME volccd)
 set(CPACK_PACKAGE_CONTACT "The VolCCD authors <volccd@localhost>")
@@ -26,6 +27,13 @@ if(VOLCCD_WITH_HDF5)
 endif()
 if(VOLCCD_WITH_GMP)
   list(APPEND depends libgmp-dev)
+endif()
+if(VOLCCD_BUILD_C)
+  set(CPACK_DEBIAN_C_PACKAGE_NAME libvolccd-c)
+  set(CPACK_DEBIAN_C_PACKAGE_SECTION libs)
+  set(CPACK_DEBIAN_C_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_COMPONENT_C_DESCRIPTION "The shared library for C and Fortran.")
+  list(APPEND depends "libvolccd-c (= ${PROJECT_VERSION})")
 endif()
 if(BUILD_SHARED_LIBS)
   list(APPEND depends "volccd (= ${PROJECT_VERSION})")

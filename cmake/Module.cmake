@@ -13,6 +13,15 @@ target_compile_options(volccd_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
   $<$<BOOL:${VOLCCD_WERROR}>:-Werror>)
+set(VOLCCD_KERNEL_OPTIONS)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(volccd_flags INTERFACE -Wno-psabi)  # notes on an ABI before GCC 10.1
+  # Highway's functions for NEON are compiled for processors with AES, which the kernels do not use. GCC cannot inline
+  # them into implicit constructors, which are compiled for what the command line names.
+  if(NOT CMAKE_CXX_FLAGS MATCHES "-m(arch|cpu)=")
+    set(VOLCCD_KERNEL_OPTIONS -march=armv8-a+crypto)
+  endif()
+endif()
 
 # By default GCC collects garbage from 128 MB on, a sixth of the time of a build with precompiled headers.
 # With these it does so beyond 2 GB for each compiler process, where the machine has memory for a process for each core and
@@ -78,6 +87,10 @@ function(volccd_module name)
     if(kernels)
       # a source includes itself once for each instruction set
       set_property(SOURCE "${source}" PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
+      if(VOLCCD_KERNEL_OPTIONS)
+        set_property(SOURCE "${source}" PROPERTY SKIP_PRECOMPILE_HEADERS ON)  # which were compiled without these options
+        set_property(SOURCE "${source}" APPEND PROPERTY COMPILE_OPTIONS ${VOLCCD_KERNEL_OPTIONS})
+      endif()
       set_property(SOURCE "${source}" APPEND PROPERTY COMPILE_OPTIONS -fno-sanitize=undefined
                    $<$<CXX_COMPILER_ID:Clang>:-mllvm>
                    $<$<CXX_COMPILER_ID:Clang>:-asan-instrumentation-with-call-threshold=0>)

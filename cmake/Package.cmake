@@ -1,6 +1,6 @@
 # Install rules and find_package(volccd) for other projects. The package contains the libraries and their headers. If
 # the program is built, it is installed as well, and so is the component `program`: the program as a library with its
-# dependencies.
+# dependencies. The components `c` and `fortran` are the library for C, which needs no dependency.
 include(CMakePackageConfigHelpers)
 
 set(VOLCCD_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/volccd")
@@ -22,6 +22,16 @@ exec /usr/bin/python3 \"\$(dirname \"\$(readlink -f \"\$0\")\")/../${CMAKE_INSTA
 ")
     install(PROGRAMS "${CMAKE_BINARY_DIR}/tools/volccd-${name}" DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
   endforeach()
+endif()
+
+if(VOLCCD_BUILD_C)
+  # Packages without these files have no components `c` and `fortran`.
+  install(EXPORT volccdCTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
+  if(TARGET volccd_fortran)
+    install(EXPORT volccdFortranTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
+  endif()
+  configure_file("${CMAKE_CURRENT_LIST_DIR}/volccd_c.pc.in" "${CMAKE_BINARY_DIR}/cmake/volccd_c.pc" @ONLY)
+  install(FILES "${CMAKE_BINARY_DIR}/cmake/volccd_c.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT dev)
 endif()
 
 get_property(headers GLOBAL PROPERTY VOLCCD_HEADERS)

@@ -40,6 +40,7 @@ module("narrowphase", "query")
 module("pipelines", "broadphase", "culling", "narrowphase")
 module("distributed", "pipelines")
 module("io", "pipelines")
+module("capi", "pipelines")
 module("paper2011", "io")
 module("peers", "pipelines")
 module("oracle/cases", "culling", "narrowphase")
@@ -63,7 +64,9 @@ MAX_DETAIL_FILES = 12
 
 PROGRAM = ["paper2011", "peers", "oracle", "oracle/cases", "oracle/judge", "simulation", "experiments", "pictures", "report",
            "program"]
-LIBRARY = [name for name in LAYERS if name not in PROGRAM]
+# `capi` stores messages of errors by thread, as nothing of the library for C++ may.
+BINDINGS = ["capi"]
+LIBRARY = [name for name in LAYERS if name not in PROGRAM + BINDINGS]
 # Folders that use the modules, and are not modules themselves.
 USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["program"],
          "python": LIBRARY + ["paper2011", "peers", "experiments", "program"]}

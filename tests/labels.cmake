@@ -7,7 +7,7 @@
 #   slow-sanitized  takes minutes under the address sanitizer, which other tests run the same code under
 set(long "^Long")
 set(threads "Threads")
-set(kernels "^(BroadPhase|ElementCulling|FeatureFilter|NarrowPhase)Promises$")
+set(kernels "^((BroadPhase|ElementCulling|FeatureFilter|NarrowPhase)Promises|ContactHashes)$")
 string(CONCAT slow_sanitized
   "^(Harness|SameContacts|QueryMotion|ScenesWithTools|Weld|SimulatedSolids|Tetrahedra|DeformOnSharedData)$"
   "|^(Verify|ReferenceContacts|QueryComparison|PeersExperiment)$|^ThreadsStageObserver$|^TopologyLoop\\.CutBlock"

@@ -5,6 +5,9 @@
 #   consumer   builds and runs tests/consumer/, without the packages that only the component `program` needs
 #   example    builds examples/custom_culling/, which asks for the component `program`
 #   solver     builds examples/solver/ and runs it, without the packages that only the component `program` needs
+#   c          builds examples/c/ with CMake and by pkg-config, and runs it; no other package is there
+#   fortran    builds examples/fortran/ with the installed .mod file and with the installed source, and runs it: it prints
+#              what the example in C prints, which is in WORK_DIR/bouncing_cube.txt
 #   refusals   asks for components that are not available, and checks the reason in the error message
 #   headers    checks that each installed header compiles by itself
 #   debian     makes the Debian packages, unpacks them into an empty root, and uses them: the program, the importer, and
@@ -22,6 +25,12 @@ function(run what)
   if(NOT code EQUAL 0)
     message(FATAL_ERROR "${what}: failed with ${code}")
   endif()
+endfunction()
+
+# run_to(file command): its output goes to the file.
+function(run_to file)
+  message(STATUS "run ${ARGN}")
+  execute_process(COMMAND ${ARGN} OUTPUT_FILE "${file}" COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
 # configure_command(variable source name [options...]): with the build folder WORK_DIR/name.
@@ -59,7 +68,7 @@ set(without -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_DISABLE_FIND_PACKAGE_GM
 # objects, and installs it into WORK_DIR/name.
 function(install_library name shared)
   run("configure" "${CMAKE_COMMAND}" -S "${PROJECT_DIR}" -B "${BUILD_DIR}" "-DBUILD_SHARED_LIBS=${shared}")
-  run("build" "${CMAKE_COMMAND}" --build "${BUILD_DIR}" --target volccd_io volccd_distributed)
+  run("build" "${CMAKE_COMMAND}" --build "${BUILD_DIR}" --target volccd_libraries)
   file(REMOVE_RECURSE "${WORK_DIR}/${name}")
   run("install" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${WORK_DIR}/${name}")
 endfunction()
@@ -108,6 +117,12 @@ foreach(package PNG fcl ccd CLI11 nlohmann_json)
   list(APPEND without_program "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON")
 endforeach()
 
+# The library for C requires no package.
+set(without_any ${without_program})
+foreach(package Eigen3 fmt TBB hwy HDF5 GMP)
+  list(APPEND without_any "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON")
+endforeach()
+
 file(GLOB_RECURSE headers RELATIVE "${PREFIX}/include" "${PREFIX}/include/*.hpp")
 file(GLOB_RECURSE program_targets "${PREFIX}/*/volccdProgramTargets.cmake")
 
@@ -121,10 +136,30 @@ elseif(PART STREQUAL "consumer")
 elseif(PART STREQUAL "solver")
   build("${PROJECT_DIR}/examples/solver" solver ${without_program})
   run("run" "${WORK_DIR}/solver/solver")
+elseif(PART STREQUAL "c")
+  build("${PROJECT_DIR}/examples/c" c ${without_any})
+  run_to("${WORK_DIR}/bouncing_cube.txt" "${WORK_DIR}/c/bouncing_cube")
+  set(ENV{PKG_CONFIG_PATH} "${PREFIX}/lib/pkgconfig")
+  execute_process(COMMAND pkg-config --cflags --libs volccd_c OUTPUT_VARIABLE flags COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  run("compile by pkg-config" cc -std=c99 -Wall -Wextra -Wpedantic -Werror "${PROJECT_DIR}/examples/c/bouncing_cube.c"
+      -o "${WORK_DIR}/c/by_pkg_config" ${flags})
+  set(ENV{LD_LIBRARY_PATH} "${PREFIX}/lib")
+  run_to("${WORK_DIR}/c/by_pkg_config.txt" "${WORK_DIR}/c/by_pkg_config")
+  run("compare" "${CMAKE_COMMAND}" -E compare_files "${WORK_DIR}/bouncing_cube.txt" "${WORK_DIR}/c/by_pkg_config.txt")
+elseif(PART STREQUAL "fortran")
+  build("${PROJECT_DIR}/examples/fortran" fortran ${without_any})
+  run_to("${WORK_DIR}/fortran/output.txt" "${WORK_DIR}/fortran/bouncing_cube")
+  run("compare" "${CMAKE_COMMAND}" -E compare_files "${WORK_DIR}/bouncing_cube.txt" "${WORK_DIR}/fortran/output.txt")
+  run("compile the source" gfortran "-J${WORK_DIR}/fortran" "${PREFIX}/share/volccd/fortran/volccd.f90"
+      "${PROJECT_DIR}/examples/fortran/bouncing_cube.f90" -o "${WORK_DIR}/fortran/by_source" "-L${PREFIX}/lib" -lvolccd_c)
+  set(ENV{LD_LIBRARY_PATH} "${PREFIX}/lib")
+  run_to("${WORK_DIR}/fortran/by_source.txt" "${WORK_DIR}/fortran/by_source")
+  run("compare" "${CMAKE_COMMAND}" -E compare_files "${WORK_DIR}/bouncing_cube.txt" "${WORK_DIR}/fortran/by_source.txt")
 elseif(PART STREQUAL "example")
   build("${PROJECT_DIR}/examples/custom_culling" custom_culling)
 elseif(PART STREQUAL "refusals")
-  refuse(nonsense "volccd has no component 'nonsense'; there is program")
+  refuse(nonsense "volccd has no component 'nonsense'; there are program, c and fortran")
   refuse(program "volccd's component program needs fcl (Debian: libfcl-dev), which was not found"
          -DCMAKE_DISABLE_FIND_PACKAGE_fcl=ON)
   # A copy of the prefix without the targets file of the program is a package without the component.
@@ -186,7 +221,7 @@ elseif(PART STREQUAL "debian")
   file(GLOB packages RELATIVE "${WORK_DIR}/packages" "${WORK_DIR}/packages/*.deb")
   list(TRANSFORM packages REPLACE "_.*" "" OUTPUT_VARIABLE names)
   list(REMOVE_ITEM names python3-volccd)  # this package exists only if the Python module is built
-  if(NOT names STREQUAL "libvolccd-dev;volccd")
+  if(NOT names STREQUAL "libvolccd-c;libvolccd-dev;volccd")
     message(FATAL_ERROR "packages beside those of docs/installing.md: ${names}")
   endif()
   foreach(package IN LISTS packages)
@@ -215,10 +250,15 @@ elseif(PART STREQUAL "shared")
   install_library(shared ON)
   set(PREFIX "${WORK_DIR}/shared")
   file(GLOB archives "${PREFIX}/lib/*.a")
+  list(FILTER archives EXCLUDE REGEX "/libvolccd_fortran\\.a$")  # always static: it fits one compiler
   if(archives)
     message(FATAL_ERROR "static libraries among the shared ones: ${archives}")
   endif()
   build("${PROJECT_DIR}/tests/consumer" consumer-of-shared ${without_program} ${without})
+  if(EXISTS "${PREFIX}/include/volccd.h")
+    build("${PROJECT_DIR}/examples/c" c-of-shared ${without})
+    run_to("${WORK_DIR}/c-of-shared/output.txt" "${WORK_DIR}/c-of-shared/bouncing_cube")
+  endif()
   run("run" "${WORK_DIR}/consumer-of-shared/consumer")
   use_by_pkg_config(by_pkg_config_shared)
 elseif(PART STREQUAL "fresh")

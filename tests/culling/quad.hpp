@@ -1,6 +1,7 @@
 // Vectors with 113 bits, for the truth that doubles are compared with.
 #pragma once
 
+#include <cfloat>
 #include <cstddef>
 #include <span>
 
@@ -8,7 +9,11 @@
 
 namespace volccd::detail {
 
+#if LDBL_MANT_DIG == 113  // AArch64
+using Quad = long double;
+#else
 __extension__ using Quad = __float128;
+#endif
 
 struct Quad3 {
   Quad x = 0, y = 0, z = 0;

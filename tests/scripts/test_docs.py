@@ -49,7 +49,8 @@ class Docs(unittest.TestCase):
         """Whether the text consists of consecutive whole lines of the files, perhaps with less indentation."""
         page = (ROOT / "docs/into_a_solver.md").read_text()
         for language, name, minimum in (("cmake", "solver/CMakeLists.txt", 1), ("cpp", "solver/solver.cpp", 7),
-                                      ("python", "python/solver.py", 5)):
+                                      ("python", "python/solver.py", 5), ("c", "c/bouncing_cube.c", 2),
+                                      ("fortran", "fortran/bouncing_cube.f90", 2)):
             source = (ROOT / "examples" / name).read_text()
             listings = re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
             self.assertGreaterEqual(len(listings), minimum)

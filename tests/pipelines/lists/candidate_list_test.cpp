@@ -1,6 +1,7 @@
 // Steps with candidate lists have the contacts of fresh steps, bit for bit, whatever the motion does; and the bounds on
 // which that rests hold as written.
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -278,7 +279,11 @@ TEST(CandidateLists, AreRefusedWhereTheyWouldLoseContacts) {
 
 // ---- the bounds
 
-using Quad = __float128;
+#if LDBL_MANT_DIG == 113  // AArch64
+using Quad = long double;
+#else
+__extension__ using Quad = __float128;
+#endif
 
 /// The distance of control points from the prediction, to 113 bits.
 Quad square_distance(const Motion& motion, const Motion& lines, Index v, int i, double at) {
