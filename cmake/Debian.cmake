@@ -16,6 +16,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME volccd)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "fonts-dejavu-core, python3-meshio, python3-h5py, python3-matplotlib")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "python3-netcdf4, python3-vtk9")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "The program volccd, the importer of meshes and sequences, and figures of records.")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libvolccd-dev)

@@ -13,6 +13,8 @@ if(VOLCCD_BUILD_PROGRAM)
   # Python tools that are installed with the program: importer and figures.
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/tools/" DESTINATION "${CMAKE_INSTALL_DATADIR}/volccd/tools" COMPONENT program
           USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
+  file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/tools/VERSION" CONTENT "@PROJECT_VERSION@\n" @ONLY)
+  install(FILES "${CMAKE_BINARY_DIR}/tools/VERSION" DESTINATION "${CMAKE_INSTALL_DATADIR}/volccd/tools" COMPONENT program)
   foreach(tool IN ITEMS import:import_sequence plot:plot_results)
     string(REPLACE ":" ";" tool "${tool}")
     list(GET tool 0 name)

@@ -13,15 +13,17 @@ SKIPPED = 77  # the exit code that means "skipped" to CTest
 try:
     import h5py
     import meshio  # noqa: F401  # pylint: disable=unused-import
+    import netCDF4  # noqa: F401  # pylint: disable=unused-import
+    import vtk  # noqa: F401  # pylint: disable=unused-import
 except ImportError as missing:
     # Debian's packages are for Debian's interpreter, which need not be the first one in the path.
     SYSTEM = "/usr/bin/python3"
     if os.path.realpath(sys.executable) != os.path.realpath(SYSTEM) and os.path.exists(SYSTEM):
         os.execv(SYSTEM, [SYSTEM, *sys.argv])
-    print(f"skipped: {missing}; install python3-meshio and python3-h5py")
+    print(f"skipped: {missing}; install python3-meshio, python3-h5py, python3-netcdf4, python3-vtk9")
     sys.exit(SKIPPED)
 
-VOLCCD = sys.argv.pop(1)
+VOLCCD = os.path.abspath(sys.argv.pop(1))
 HERE = os.path.dirname(os.path.abspath(__file__))
 TOOL = os.path.join(os.path.dirname(os.path.dirname(HERE)), "tools", "import_sequence.py")
 sys.dont_write_bytecode = True

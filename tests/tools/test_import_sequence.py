@@ -214,7 +214,7 @@ class Files(Importer):
         self.bad(self.path("none.vtu"), says="none.vtu: no such file")
         self.bad(self.path("a.xyz", "solid\n"), says="unknown extension '.xyz'")
         self.bad(self.path("junk.vtk", "junk\n"), says="junk.vtk: meshio cannot read it as vtk")
-        self.bad(*data("cells_1.vtu", "cells_2.vtu"), "--times", "1", says="1 times for 2 files")
+        self.bad(*data("cells_1.vtu", "cells_2.vtu"), "--times", "1", says="1 times for 2 frames")
         self.bad(*data("cells_1.vtu", "cells_2.vtu"), "--times", "1,1", says="time[1]: 1.0 is not finite or not after")
         self.bad(*data("cells_1.vtu"), "--part", "Colour", says="no array 'Colour'; there is: ElementId, PartId")
         self.bad(*data("cells_1.vtu", "cells_10.vtu"), "--cell-ids", "none", says="there are no cell ids")
