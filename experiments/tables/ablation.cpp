@@ -125,7 +125,7 @@ ExperimentPlan ablation_plan(const PlanContext& context) {
   const bool own = !context.pipelines.empty() || !context.settings.empty();
   for (const TableScene& scene : table_scenes(context)) {
     // Without the crash, which takes longest and whose results are similar to those of the other scenes.
-    if (scene.name != "octopi" && scene.name != "bullet" && scene.name != "ls-dyna-projectile" &&
+    if (context.own_scenes.empty() && scene.name != "octopi" && scene.name != "bullet" && scene.name != "ls-dyna-projectile" &&
         !(own && scene.name == "crash"))
       continue;
     SceneRun run{scene.name, scene.file, table_config(scene.file), sampled_windows(step_count(scene.file), 1, 1), {}};

@@ -94,21 +94,29 @@ TitledTable stage_shares(const Rows& rows, const std::string& scene) {
   return {scene + ": where the time goes", table, ""};
 }
 
+std::vector<TableScene> projectile_scenes(const PlanContext& context) {
+  if (!context.own_scenes.empty()) return context.own_scenes;
+  for (const char* name : {"ls-dyna-projectile", "builtin"})
+    if (const std::optional<std::string> file = context.file_of(name)) return {{name, *file}};
+  throw ConfigError("projectile: there is neither ls-dyna-projectile nor the scene builtin");
+}
+
 }  // namespace
 
 ExperimentPlan projectile_plan(const PlanContext& context) {
-  std::string scene = "ls-dyna-projectile";
-  std::optional<std::string> file = context.file_of(scene);
-  if (!file) file = context.file_of(scene = "builtin");
-  if (!file) throw ConfigError("projectile: there is neither ls-dyna-projectile nor the scene builtin");
-  SceneRun run{scene, *file, {}, all_windows(step_count(*file), 5), {}};
   std::vector<std::string> pipelines = {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"};
   pipelines.insert(pipelines.end(), context.pipelines.begin(), context.pipelines.end());
-  for (const std::string& pipeline : pipelines) {
-    run.entrants.push_back(entrant(context.registry, "", pipeline, {"narrow-phase=cubic"}));
-    run.entrants.back().variant.clear();  // the same for all
+  ExperimentPlan plan{"projectile", context.full ? "full" : "quick", context.full ? 3 : 1, {}};
+  for (const TableScene& scene : projectile_scenes(context)) {
+    SceneRun run{scene.name, scene.file, {}, all_windows(step_count(scene.file), 5), {}};
+    if (!context.own_scenes.empty()) run.config = table_config(scene.file);
+    for (const std::string& pipeline : pipelines) {
+      run.entrants.push_back(entrant(context.registry, "", pipeline, {"narrow-phase=cubic"}));
+      run.entrants.back().variant.clear();  // the same for all
+    }
+    plan.runs.push_back(std::move(run));
   }
-  return {"projectile", context.full ? "full" : "quick", context.full ? 3 : 1, {run}};
+  return plan;
 }
 
 std::vector<TitledTable> pipeline_tables(const json& record) {
