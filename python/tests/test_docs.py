@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 
 import volccd
-from volccd import _detect, _meshes, _records, _sequences, _stages
+from volccd import _arguments, _detect, _meshes, _records, _results, _sequences, _stages
 
 ROOT = Path(__file__).resolve().parents[2]
 pytestmark = pytest.mark.usefixtures("clean_registry")
 
 
-@pytest.mark.parametrize("module", [volccd, _detect, _meshes, _records, _sequences, _stages])
+@pytest.mark.parametrize("module", [volccd, _arguments, _detect, _meshes, _records, _results, _sequences, _stages])
 def test_docstrings(module):
     assert doctest.testmod(module).failed == 0
 
