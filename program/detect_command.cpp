@@ -101,7 +101,7 @@ void print_stages(const Statistics& total, bool overlaps, const Report& report) 
   }
   const double rest = std::max(0.0, total.seconds - attributed);
   table.add({"remainder", "", "", "", "", milliseconds(rest), share(rest)});
-  report.print("\n{}", table.text());
+  report.print("\n{}", table.text(report.width()));
 }
 
 /// Runs the steps and stores the data for the reports.
@@ -250,13 +250,14 @@ class Detection {
       table.add(row_of(fmt::format("{}", range_.begin + static_cast<int>(i)), steps_[i], request_.initial_overlaps));
     table.rule();
     table.add(row_of("all", total_, request_.initial_overlaps));
-    report_->print("{}: {}, {}, {} thread(s)\n\n{}", options_.sequence.file, pipeline().spec().name,
-                   to_string(pipeline().guarantee()), executor_->workers(), table.text());
+    report_->print("{}: {}, {}, {}\n\n{}", options_.sequence.file, pipeline().spec().name,
+                   to_string(pipeline().guarantee()), counted(executor_->workers(), "thread"),
+                   table.text(report_->width()));
     print_summary();
     if (request_.leave_out_shell_neighbours) print_left_out();
     print_part_pairs();
     print_stages(total_, request_.initial_overlaps, *report_);
-    if (ranks_) report_->print("\n{}", rank_table(rank_sums_, elements_));
+    if (ranks_) report_->print("\n{}", rank_table(rank_sums_, elements_, report_->width()));
   }
 
   /// Index into `steps_` of the earliest contact, in the first step that has one; empty if there are no contacts.
@@ -315,7 +316,7 @@ class Detection {
       table.add({part_name(parts.first), parts.first == parts.second ? "(itself)" : part_name(parts.second),
                  grouped(count.vf), grouped(count.ee), std::to_string(count.first_step), time_text(count.first_toi)});
     }
-    report_->print("\n{}", table.text());
+    report_->print("\n{}", table.text(report_->width()));
     if (pairs.size() > kPartPairsShown)
       report_->print("and {} more pairs of objects: --json lists all\n", grouped(pairs.size() - kPartPairsShown));
   }

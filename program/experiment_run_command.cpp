@@ -208,7 +208,7 @@ RecordFile open_record(const ExperimentOptions& options, const std::string& name
   if (record.set_aside())
     report.print("{}: rows of another build or plan, kept as {}\n", record.incomplete_file(), record.old_file());
   if (record.resumed() > 0)
-    report.print("{}: continued; {} window(s) are complete\n", record.incomplete_file(), record.resumed());
+    report.print("{}: continued; {} complete\n", record.incomplete_file(), counted(record.resumed(), "window"));
   return record;
 }
 
@@ -242,8 +242,9 @@ void write_results(const ExperimentKind& kind, const ExperimentOptions& options,
   const Report report(options.report);
   const nlohmann::json whole = {{"rows", record.rows()}, {"provenance", facts}};
   record.finish(facts, kind.summary ? kind.summary(whole) : nlohmann::json::array());
-  const std::string tables = render(kind.tables(whole), TableFormat::text);
-  report.print("{}\n", tables);
+  const std::vector<TitledTable> made = kind.tables(whole);
+  const std::string tables = render(made, TableFormat::text);
+  report.print("{}\n", render(made, TableFormat::text, report.width()));
   write_text_file(record_file(options, kind.name, ".txt"), tables);
   report.print("record: {}\n", record.file());
   add_finished(kind.name, record.file(), true, tables, finished);
@@ -325,7 +326,7 @@ int run_scenes(const ExperimentOptions& options, Finished& finished) {
     keep(options, name, records, untitled_text(scene_table(records)), true, finished);
     return kDone;
   }
-  const std::string text = fmt::format("{} scene(s) are complete; {}", records.size(), stopped_by);
+  const std::string text = fmt::format("{} complete; {}", counted(records.size(), "scene"), stopped_by);
   keep(options, name, {{"complete", false}, {"stopped_by", stopped_by}, {"records", records}},
        fmt::format("incomplete: {}\n\n{}", text, untitled_text(scene_table(records))), false, finished);
   fmt::print(stderr, "volccd: incomplete: {}\n", text);
@@ -418,7 +419,7 @@ void add_experiment_run_command(CLI::App& experiment, const Registry& registry, 
                    "measures all steps k with A <= k < B of each scene (K: one step) in the place of a sample")
       ->type_name("A:B");
   run_command->add_option("--rounds", options->rounds, "how often each step is measured; tables show medians")
-      ->check(CLI::PositiveNumber)
+      ->check(at_least(1))
       ->type_name("N");
   run_command
       ->add_option("-o,--output", options->output,

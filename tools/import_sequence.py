@@ -68,6 +68,10 @@ from importer.series import sources_of
 from importer.writer import Sink, Writer, output_path
 from version import version
 
+def counted(number, what):
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
 def about_of(options, first, files):
     names = "; ".join(f"{number} {name.replace(';', ',')}" for number, name in sorted(first.object_names.items()))
     source = os.path.basename(files[0]) + (f" .. {os.path.basename(files[-1])}" if len(files) > 1 else "")
@@ -101,7 +105,8 @@ def import_sources(sources, files, options, output, check):
     writer.finish(times, union.ids, len(union.places), about_of(options, first, files))
     given = ", ".join(f"{name} {'kept' if there else 'made up'}" for name, there in (
         ("point ids", union.ids is not None), ("cell ids", first.cell_ids is not None)))
-    return notes, f"{len(sources)} frames, {len(union.places)} points, {shapes[0]} cells at first, {shapes[-1]} at last; {given}"
+    return notes, (f"{counted(len(sources), 'frame')}, {counted(len(union.places), 'point')}, {counted(shapes[0], 'cell')} at "
+                   f"first, {shapes[-1]} at last; {given}")
 
 
 def parse_arguments(arguments):

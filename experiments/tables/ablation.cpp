@@ -111,7 +111,7 @@ TitledTable table_of(const Rows& rows, const std::string& title) {
       const Rows of = rows.with("pipeline", pipeline).with("variant", variant);
       const auto count = [&](const char* column) { return grouped(static_cast<std::uint64_t>(of.sum(column))); };
       table.add({pipeline, variant.get<std::string>().empty() ? "-" : variant,
-                 fmt::format("{:.3g}", of.median_ms(kStepTime)), fmt::format("{:.3g}", of.median_ms(kStepTime) / best),
+                 number_text(of.median_ms(kStepTime)), number_text(of.median_ms(kStepTime) / best),
                  count("element_pairs"), count("surviving_pairs"), grouped(static_cast<std::uint64_t>(of.tests())),
                  count("contacts")});
     }

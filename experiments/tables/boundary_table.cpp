@@ -26,13 +26,13 @@ Rows rows_of(const Rows& rows, const json& scene, const json& threads, const std
 }
 
 double ms_of(const Rows& rows) { return rows.empty() ? 0 : rows.mean_ms(kStepAndEditTime); }
-std::string ms_text(double ms) { return ms > 0 ? fmt::format("{:.3g}", ms) : "-"; }
+std::string ms_text(double ms) { return ms > 0 ? number_text(ms) : "-"; }
 std::string ratio_of(double a, double b) { return a > 0 && b > 0 ? ratio_text(a / b) : "-"; }
 
 /// Whole and boundary on the same steps.
 TitledTable same_motions(const Rows& rows) {
   TextTable table({"scene", "threads", "pipeline", "steps", "elements", "on boundary", "all, ms", "boundary, ms",
-                   "all / boundary", "paper", "contacts, all", "boundary"},
+                   "all / boundary", "paper", "contacts, all", "contacts, boundary"},
                   3);
   for (const json& scene : rows.values("scene")) {
     table.rule();

@@ -138,6 +138,6 @@ Entrant entrant(const Registry& registry, const std::string& table, const std::s
 std::string ratio_text(double value) {
   return value >= 100 ? fmt::format("{:.0f}x", value) : fmt::format("{:.3g}x", value);
 }
-std::string percent_text(double share) { return fmt::format("{:.3g} %", 100 * share); }
+std::string percent_text(double share) { return number_text(100 * share) + " %"; }
 
 }  // namespace volccd

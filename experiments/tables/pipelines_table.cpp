@@ -61,12 +61,13 @@ TitledTable comparison(const Rows& rows, const std::string& scene) {
                same_contacts(of, entrants[0]) ? "yes" : "NO"});
   table.rule();
   table.add({"paper, bullet", "48 ms", "21x", "28x", "-", "-", "-", "0.69 %", "-", "-", "-"});
-  return {fmt::format("{}: {} steps, {} round(s), {} thread(s)", scene, rows.steps(), rows.values("round").size(),
-                      rows.front().at("threads").get<int>()),
+  return {fmt::format("{}: {}, {}, {}", scene, counted(rows.steps(), "step"),
+                      counted(rows.values("round").size(), "round"),
+                      counted(rows.front().at("threads").get<std::uint64_t>(), "thread")),
           table,
           "time: median over steps of medians over rounds; counts: sums over steps; /: speed-up; tests: share of "
           "NavCCD's; "
-          "earliest: step + time;\nsame: the first pipeline's contacts, bit for bit\n"};
+          "earliest: step + time; same: the first pipeline's contacts, bit for bit\n"};
 }
 
 TitledTable stage_shares(const Rows& rows, const std::string& scene) {
@@ -85,10 +86,10 @@ TitledTable stage_shares(const Rows& rows, const std::string& scene) {
       const double run = of.sum(std::string(role) + "_run_s");
       prepare += of.sum(std::string(role) + "_prepare_s");
       known += run;
-      cells.push_back(run > 0 ? fmt::format("{:.1f}", 100 * run / whole) : "-");
+      cells.push_back(run > 0 ? fixed_text(100 * run / whole, 1) : "-");
     }
-    cells.insert(cells.begin(), {label(of.front()), fmt::format("{:.1f}", 100 * prepare / whole)});
-    cells.push_back(fmt::format("{:.1f}", 100 * (whole - prepare - known) / whole));
+    cells.insert(cells.begin(), {label(of.front()), fixed_text(100 * prepare / whole, 1)});
+    cells.push_back(fixed_text(100 * (whole - prepare - known) / whole, 1));
     table.add(cells);
   }
   return {scene + ": where the time goes", table, ""};

@@ -90,7 +90,8 @@ py::dict statistics_of(Result& result) {
 }
 
 std::string text_of(const Result& result) {
-  return "<volccd.Result: " + std::to_string(result.contacts.size()) + " contacts" +
+  return "<volccd.Result: " + std::to_string(result.contacts.size()) +
+         (result.contacts.size() == 1 ? " contact" : " contacts") +
          (result.contacts.empty() ? "" : ", the earliest at " + std::to_string(result.statistics.earliest_toi)) + ">";
 }
 

@@ -159,7 +159,8 @@ class Verification:
 
     def __repr__(self):
         what = "clean: no difference" if self.clean else "DIFFERENCES: " + (", ".join(self.differing) or "FCL")
-        return f"<volccd.Verification of {len(self.steps)} steps: {what}>"
+        count = f"{len(self.steps)} step{'' if len(self.steps) == 1 else 's'}"
+        return f"<volccd.Verification of {count}: {what}>"
 
 
 @suggesting
