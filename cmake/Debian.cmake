@@ -32,7 +32,7 @@ if(BUILD_SHARED_LIBS)
   list(APPEND depends "volccd (= ${PROJECT_VERSION})")
 endif()
 list(JOIN depends ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
-set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libfcl-dev, libccd-dev, libpng-dev, libcairo2-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libfcl-dev, libccd-dev, libpng-dev, zlib1g-dev, libcairo2-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
   "Headers and libraries: for solvers, and for projects with stages of their own (CMake component program).")
 
