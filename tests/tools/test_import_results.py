@@ -203,6 +203,33 @@ class Results(Importer):
         read = self.good(self.path("a.vtu", texts[0].replace("</UnstructuredGrid>", piece + "</UnstructuredGrid>")))
         self.assertEqual((read["Types"][:].tolist(), len(read["Points"])), ([12] * 2, 12))
 
+    def test_ghost_cells_are_those_of_another_piece(self):
+        """Two pieces of a row of three cubes: the second has the middle one as a ghost, too."""
+        points = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in range(4)], float)
+        cubes = [[x, x + 1, x + 5, x + 4, x + 8, x + 9, x + 13, x + 12] for x in range(3)]
+        for part, (here, ghosts) in enumerate((((0, 1), (0, 0)), ((1, 2), (1, 0)))):
+            write_vtu(self.path(f"g{part}.vtu"), grid([(12, cubes[k]) for k in here], {"GlobalPointIds": np.arange(16)}, points,
+                                                      {"vtkGhostType": np.array(ghosts), "ElementId": np.array(here) + 5}))
+        read = self.good(self.pvd([(0, part, f"g{part}.vtu") for part in range(2)]))
+        self.assertEqual(read["CellData/GlobalCellIds"][:].tolist(), [5, 6, 7])
+        self.assertEqual(read["Connectivity"][:].reshape(3, 8).tolist(), cubes)
+        with open(self.path("g0.vtu"), encoding="ascii") as first, open(self.path("g1.vtu"), encoding="ascii") as second:
+            text = second.read()
+            piece = text[text.index("<Piece"):text.index("</UnstructuredGrid>")]
+            both = first.read().replace("</UnstructuredGrid>", piece + "</UnstructuredGrid>")
+        self.assertEqual(len(self.good(self.path("both.vtu", both))["Types"]), 3)
+
+    def test_a_middle_node_that_is_a_corner_in_another_piece_stays(self):
+        corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], float)
+        middle = [(corners[a] + corners[b]) / 2 for a, b in ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))]
+        write_vtu(self.path("m0.vtu"), grid([(vtk.VTK_QUADRATIC_TETRA, list(range(10)))], {"GlobalPointIds": np.arange(10)},
+                                            [*corners, *middle]))
+        other = np.array([middle[0], (1, 0, 0), (1, -1, 0), (1, 0, -1)])
+        write_vtu(self.path("m1.vtu"), grid([(10, [0, 1, 2, 3])], {"GlobalPointIds": np.array([4, 1, 20, 21])}, other))
+        read = self.good(self.pvd([(0, 0, "m0.vtu"), (0, 1, "m1.vtu")]))
+        self.assertEqual(read["PointData/GlobalPointIds"][:].tolist(), [0, 1, 2, 3, 4, 20, 21])
+        self.assertEqual(read["Connectivity"][:].tolist(), [0, 1, 2, 3, 4, 1, 5, 6])
+
     # ---- XDMF
 
     def test_xdmf_of_meshio(self):
@@ -234,6 +261,13 @@ class Results(Importer):
                       'Dimensions="2" NumberType="Int" Format="XML">1 2</DataItem></Attribute></Grid>'
         text = '<Xdmf Version="2.0"><Domain><Grid GridType="Collection" CollectionType="Temporal">{}</Grid></Domain></Xdmf>'
         self.good(self.path("a.xdmf", text.format(frames)))
+        self.check_fall()
+        include = '<xi:include xmlns:xi="http://www.w3.org/2001/XInclude" xpointer="xpointer(//Grid[@Name=&quot;all&quot;]/' \
+                  'Grid[1]/*[self::Topology])"/>'  # as FEniCS refers to the mesh of the first frame
+        fenics = text.replace("<Grid ", '<Grid Name="all" ').format(
+            frames.replace('<Topology Reference="/Xdmf/Domain/Grid/Grid[1]/Topology[1]"/>', include))
+        self.assertEqual(fenics.count("xi:include "), 2)
+        self.good(self.path("c.xdmf", fenics))
         self.check_fall()
         self.bad(self.path("b.xdmf", text.format(frames.replace("Grid[1]/Top", "Grid[9]/Top"))), says="nothing is at 'Domain/Grid/Grid[9]")
         self.bad(self.path("b.xdmf", text.format(frames).replace("Temporal", "Spatial")), says="the collection is of pieces")

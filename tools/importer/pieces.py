@@ -6,6 +6,22 @@ import numpy as np
 from .errors import BadInput, first_bad
 
 
+def without_ghosts(mesh):
+    """The mesh without ghost cells, which another piece has as its own."""
+    ghosts = mesh.cell_data.pop("vtkGhostType", mesh.cell_data.pop("vtkGhostLevels", None))
+    for name in ("vtkGhostType", "vtkGhostLevels"):
+        mesh.point_data.pop(name, None)
+        mesh.cell_data.pop(name, None)
+    if ghosts is None or not any(np.any(values) for values in ghosts):
+        return mesh
+    own = [np.asarray(values).reshape(len(values), -1)[:, 0] == 0 for values in ghosts]
+    kept = [k for k, rows in enumerate(own) if rows.any()]
+    result = meshio.Mesh(mesh.points, [(mesh.cells[k].type, mesh.cells[k].data[own[k]]) for k in kept], point_data=mesh.point_data,
+                         cell_data={name: [np.asarray(values[k])[own[k]] for k in kept] for name, values in mesh.cell_data.items()})
+    result.field_data = mesh.field_data
+    return result
+
+
 def concatenated(meshes):
     """The points and cells of several meshes, one after the other, with the arrays that all of them have."""
     first = np.cumsum([0] + [len(mesh.points) for mesh in meshes])

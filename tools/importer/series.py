@@ -11,7 +11,7 @@ from . import abaqus, exodus, frd, vtk_grids, xdmf
 from .errors import BadInput
 from .formats import FORMATS, OBJECT_IDS, is_in_pieces, meshio_read
 from .numbering import numbering_of
-from .pieces import concatenated
+from .pieces import concatenated, without_ghosts
 
 # What to do about files that are not read.
 ADVICE = {
@@ -81,7 +81,10 @@ def sources_of(file):
 
 def mesh_of(file):
     mesh, said = meshio_read(file)
-    return mesh, said, numbering_of(file, mesh, FORMATS[os.path.splitext(file)[1].lower()])
+    format_name = FORMATS[os.path.splitext(file)[1].lower()]
+    if format_name == "vtu":
+        mesh = without_ghosts(mesh)
+    return mesh, said, numbering_of(file, mesh, format_name)
 
 
 def xdmf_sources(file):

@@ -8,7 +8,7 @@ import meshio
 import numpy as np
 
 from .errors import BadInput, needed
-from .pieces import concatenated
+from .pieces import concatenated, without_ghosts
 
 PACKAGE = "python3-vtk9"
 
@@ -40,8 +40,7 @@ def arrays_of(data, file):
 
 
 def mesh_of(grid, file):
-    """A grid of VTK as meshio's mesh: cells of one type in a row are a block. Ghost cells, which other pieces have as their
-    own, are left out."""
+    """A grid of VTK as meshio's mesh: cells of one type in a row are a block."""
     convert = needed("vtkmodules.util.numpy_support", PACKAGE, file).vtk_to_numpy
     if grid.GetNumberOfPoints() == 0 or grid.GetNumberOfCells() == 0:
         raise BadInput(file, "cells", "none")
@@ -49,26 +48,17 @@ def mesh_of(grid, file):
     types = convert(grid.GetCellTypesArray()).astype(int)
     offsets, nodes = convert(grid.GetCells().GetOffsetsArray()), convert(grid.GetCells().GetConnectivityArray())
     cell_arrays = arrays_of(grid.GetCellData(), file)
-    sizes = np.diff(offsets)
-    rows = np.arange(len(types))
-    ghosts = cell_arrays.pop("vtkGhostType", cell_arrays.pop("vtkGhostLevels", None))
-    if ghosts is not None:
-        rows = np.flatnonzero(ghosts == 0)
-    kinds = np.column_stack([types[rows], sizes[rows]])
-    starts = np.concatenate([[0], 1 + np.flatnonzero((np.diff(kinds, axis=0) != 0).any(axis=1)), [len(rows)]])
+    kinds = np.column_stack([types, np.diff(offsets)])
+    starts = np.concatenate([[0], 1 + np.flatnonzero((np.diff(kinds, axis=0) != 0).any(axis=1)), [len(types)]])
     blocks, members = [], []
     for first, last in zip(starts[:-1], starts[1:]):
-        if first == last:
-            continue
         kind = int(kinds[first, 0])
         if kind not in meshio._vtk_common.vtk_to_meshio_type:
-            raise BadInput(file, "cells", f"of VTK's type {kind}: not supported", int(rows[first]))
-        here = rows[first:last]
+            raise BadInput(file, "cells", f"of VTK's type {kind}: not supported", int(first))
+        here = np.arange(first, last)
         blocks.append((meshio._vtk_common.vtk_to_meshio_type[kind], nodes[offsets[here][:, None] + np.arange(kinds[first, 1])]))
         members.append(here)
-    point_arrays = arrays_of(grid.GetPointData(), file)
-    point_arrays.pop("vtkGhostType", None)
-    return meshio.Mesh(points, blocks, point_data=point_arrays,
+    return meshio.Mesh(points, blocks, point_data=arrays_of(grid.GetPointData(), file),
                        cell_data={name: [values[here] for here in members] for name, values in cell_arrays.items()})
 
 
@@ -83,7 +73,7 @@ def pieces(file):
     grid = reader.GetOutput()
     mesh = mesh_of(grid, file)
     mesh.field_data = arrays_of(grid.GetFieldData(), file)
-    return mesh
+    return without_ghosts(mesh)
 
 
 def node_numbers(values):
