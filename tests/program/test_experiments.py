@@ -70,11 +70,13 @@ class Experiments(ProgramTest):
         table = self.good("experiment", "table", "projectile", "--results", folder)
         self.assertIn("other", table)
         for kind in ("table1", "plus", "ablation", "boundary"):  # ablation: two pipelines, which takes less time
-            extra = ["--pipelines", "VolCCD,VolCCD+"] if kind == "ablation" else []
+            extra = {"ablation": ["--pipelines", "VolCCD,VolCCD+"], "table1": ["--rounds", "2"]}.get(kind, [])
             self.good("experiment", "run", kind, "--scenes", other, "--steps", "2", "-o", folder, *extra)
             with open(self.path(f"mine/{kind}.json"), encoding="utf-8") as file:
                 rows = json.load(file)["rows"]
             self.assertEqual({(row["scene"], row["motion"]) for row in rows}, {("other", 2)}, kind)
+            if kind == "table1":
+                self.assertEqual({(row["table"], row["round"]) for row in rows}, {(table, of) for table in "abc" for of in (0, 1)})
         os.mkdir(self.path("sub"))
         shutil.copy(other, self.path("sub/other.vtkhdf"))
         self.good("experiment", "run", "projectile", "--scenes", f"{other},{self.path('sub/other.vtkhdf')}", "--steps", "2",
