@@ -17,6 +17,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME volccd)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "fonts-dejavu-core, python3-meshio, python3-h5py, python3-matplotlib")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "python3-netcdf4, python3-vtk9")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "The program volccd, the importer of meshes and sequences, and figures of records.")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libvolccd-dev)
@@ -39,7 +40,7 @@ if(BUILD_SHARED_LIBS)
   list(APPEND depends "volccd (= ${PROJECT_VERSION})")
 endif()
 list(JOIN depends ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
-set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libfcl-dev, libccd-dev, libpng-dev, libcairo2-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libfcl-dev, libccd-dev, libpng-dev, zlib1g-dev, libcairo2-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
   "Headers and libraries: for solvers, and for projects with stages of their own (CMake component program).")
 

@@ -13,6 +13,8 @@ if(VOLCCD_BUILD_PROGRAM)
   # Python tools that are installed with the program: importer and figures.
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/tools/" DESTINATION "${CMAKE_INSTALL_DATADIR}/volccd/tools" COMPONENT program
           USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
+  file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/tools/VERSION" CONTENT "@PROJECT_VERSION@\n" @ONLY)
+  install(FILES "${CMAKE_BINARY_DIR}/tools/VERSION" DESTINATION "${CMAKE_INSTALL_DATADIR}/volccd/tools" COMPONENT program)
   foreach(tool IN ITEMS import:import_sequence plot:plot_results)
     string(REPLACE ":" ";" tool "${tool}")
     list(GET tool 0 name)
@@ -53,7 +55,28 @@ write_basic_package_version_file("${CMAKE_BINARY_DIR}/cmake/volccdConfigVersion.
 install(FILES "${CMAKE_BINARY_DIR}/cmake/volccdConfig.cmake" "${CMAKE_BINARY_DIR}/cmake/volccdConfigVersion.cmake"
               "${CMAKE_CURRENT_LIST_DIR}/FindGMP.cmake"
         DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/THIRD_PARTY" DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+        COMPONENT program)
+# Each Debian package has its own copy, where Debian looks for it.
+file(READ "${PROJECT_SOURCE_DIR}/THIRD_PARTY" third_party)
+file(READ "${PROJECT_SOURCE_DIR}/LICENSE" license)
+file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/copyright" @ONLY CONTENT "volccd, by the VolCCD authors, is under the Apache License 2.0, which stands \
+below. (On Debian: /usr/share/common-licenses/Apache-2.0.)
+
+@third_party@
+@license@")
+foreach(package IN ITEMS program:volccd dev:libvolccd-dev python:python3-volccd)
+  string(REPLACE ":" ";" package "${package}")
+  list(GET package 0 component)
+  list(GET package 1 name)
+  set(place "${CMAKE_INSTALL_DATADIR}/doc/${name}")
+  if(component STREQUAL "python" AND "${VOLCCD_PYTHON_DIR}" STREQUAL ".")
+    set(place volccd)  # a wheel has no doc/
+  endif()
+  if(NOT component STREQUAL "python" OR TARGET volccd_python)
+    install(FILES "${CMAKE_BINARY_DIR}/copyright" DESTINATION "${place}" COMPONENT ${component})
+  endif()
+endforeach()
 
 # pkg-config: volccd.pc, for builds without CMake. Users of a static library also link the libraries that it needs
 # (--static).

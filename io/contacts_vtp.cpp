@@ -1,41 +1,16 @@
 #include <volccd/io/contacts_vtp.hpp>
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 
 #include <fmt/format.h>
+
+#include <volccd/io/detail/appended_arrays.hpp>
 
 namespace volccd {
 
 namespace {
 
-/// Arrays in the file's appended section, and their descriptions.
-class AppendedArrays {
- public:
-  /// `values(row, component)` of each of `rows`.
-  template <class T, class Values>
-  std::string add(const char* type, const char* name, std::size_t rows, std::size_t components, Values&& values) {
-    const std::string tag = fmt::format(
-        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type,
-        name, components, bytes_.size());
-    append(static_cast<std::uint64_t>(rows * components * sizeof(T)));
-    for (std::size_t row = 0; row < rows; ++row)
-      for (std::size_t c = 0; c < components; ++c) append(static_cast<T>(values(row, c)));
-    return tag;
-  }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  template <class T>
-  void append(T value) {
-    char raw[sizeof value];
-    std::memcpy(raw, &value, sizeof value);
-    bytes_.append(raw, sizeof value);
-  }
-
-  std::string bytes_;
-};
+using detail::AppendedArrays;
 
 /// The description of all point data; the arrays themselves go to `arrays`.
 std::string point_data(const std::vector<ContactRow>& rows, const std::vector<double>& times, AppendedArrays& arrays) {
@@ -64,6 +39,11 @@ std::string point_data(const std::vector<ContactRow>& rows, const std::vector<do
 
 }  // namespace
 
+std::string detail::incomplete_comment(std::string text) {
+  for (std::size_t at = 0; (at = text.find("--", at)) != std::string::npos;) text.replace(at, 2, "- ");
+  return "<!-- incomplete: " + text + " -->\n";
+}
+
 ContactsVtpWriter::ContactsVtpWriter(const std::string& file) : output_(file) {}
 
 void ContactsVtpWriter::write_step(int step, double begin_time, double end_time, std::span<const Contact> contacts,
@@ -79,22 +59,20 @@ void ContactsVtpWriter::write_step(int step, double begin_time, double end_time,
 void ContactsVtpWriter::write(const std::string& comment) {
   const std::size_t n = rows_.size();
   AppendedArrays arrays;
-  std::string text = "<?xml version=\"1.0\"?>\n" + comment;
+  std::string text = detail::polydata_head(comment);
   text += fmt::format(
-      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"{}\" header_type=\"UInt64\">\n<PolyData>\n"
       "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
       "NumberOfPolys=\"0\">\n",
-      std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian", n, n);
+      n, n);
   text += point_data(rows_, times_, arrays);
   text += "<Points>\n" + arrays.add<double>("Float64", "Points", n, 3, [&](std::size_t i, std::size_t c) {
     return rows_[i].point[static_cast<int>(c)];
   }) + "</Points>\n<Verts>\n";
   text += arrays.add<std::int64_t>("Int64", "connectivity", n, 1, [](std::size_t i, std::size_t) { return i; });
   text += arrays.add<std::int64_t>("Int64", "offsets", n, 1, [](std::size_t i, std::size_t) { return i + 1; });
-  text += "</Verts>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
-  output_.write(text);
+  output_.write(text + "</Verts>\n" + detail::kPolydataArrays);
   output_.write(arrays.bytes());
-  output_.write("\n</AppendedData>\n</VTKFile>\n");
+  output_.write(detail::kPolydataEnd);
   output_.commit();
 }
 
@@ -106,10 +84,7 @@ StepsDone ContactsVtpWriter::finish_incomplete(const StepsDone& steps) {
       std::find_if(rows_.begin(), rows_.end(), [&](const ContactRow& row) { return row.step >= steps.done; });
   rows_.erase(begun, rows_.end());
   times_.resize(rows_.size());
-  std::string text = steps.text();
-  for (std::size_t at = 0; (at = text.find("--", at)) != std::string::npos;)
-    text.replace(at, 2, "- ");  // "--" may not occur in a comment
-  write("<!-- incomplete: " + text + " -->\n");
+  write(detail::incomplete_comment(steps.text()));
   return steps;
 }
 

@@ -44,7 +44,7 @@ void print(const StageReport& report, const Report& out) {
   for (const PromiseReport& one : report.promises)
     table.add({one.promise, grouped(one.checked), grouped(one.broken),
                one.kept() ? (one.required ? "kept" : "not promised") : "BROKEN"});
-  out.print("{}", table.text());
+  out.print("{}", table.text(out.width()));
   for (const PromiseReport& one : report.promises)
     if (!one.kept()) out.print("\n{}\n  {}\n", one.promise, one.example);
   out.print("\n{}\n", report.kept() ? "all promises kept" : "PROMISES BROKEN");

@@ -1,6 +1,7 @@
 #include <volccd/program/command_line.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <sstream>
@@ -147,6 +148,24 @@ CLI::Validator one_of(std::vector<std::string> choices) {
         return fmt::format("'{}' is none of {}{}", text, fmt::join(choices, ", "), did_you_mean(text, choices));
       },
       "{" + list + "}");
+}
+
+CLI::Validator at_least(double min) {
+  return CLI::Validator(
+      [min](std::string& text) {
+        double value = 0;
+        if (!CLI::detail::lexical_cast(text, value)) return fmt::format("'{}' is not a number", text);
+        if (std::isfinite(value) && value >= min) return std::string();
+        return fmt::format("must be at least {:g}{}, and is {}", min, std::isinf(value) ? " and finite" : "", text);
+      },
+      "");
+}
+
+std::string short_help(const CLI::App& app) {
+  const auto formatter = std::dynamic_pointer_cast<CLI::Formatter>(app.get_formatter());
+  return fmt::format("{}\nUsage: {} COMMAND ...\n{}\n`{} help COMMAND` has options and examples, `{} --help` the rest.\n",
+                     formatter->make_description(&app), app.get_name(),
+                     formatter->make_subcommands(&app, CLI::AppFormatMode::Normal), app.get_name(), app.get_name());
 }
 
 void add_help_command(CLI::App& app, const Registry& registry, Action& action) {

@@ -16,6 +16,12 @@ void use_help_formatter(CLI::App& app);
 /// A check that accepts the `choices`; otherwise the message of a ConfigError with similar names.
 CLI::Validator one_of(std::vector<std::string> choices);
 
+/// Accepts finite numbers that are at least `min`; the message says so.
+CLI::Validator at_least(double min);
+
+/// Description, usage and commands, in a few lines.
+std::string short_help(const CLI::App& app);
+
 /// `volccd help [COMMAND...]`; --manual-page and --completion print what CMake installs.
 void add_help_command(CLI::App& app, const Registry& registry, Action& action);
 

@@ -11,6 +11,7 @@
 
 #include <volccd/distributed/detector.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/io/contact_features.hpp>
 #include <volccd/io/contacts_csv.hpp>
 #include <volccd/io/contacts_vtp.hpp>
 #include <volccd/io/output_file.hpp>
@@ -100,7 +101,7 @@ void print_stages(const Statistics& total, bool overlaps, const Report& report) 
   }
   const double rest = std::max(0.0, total.seconds - attributed);
   table.add({"remainder", "", "", "", "", milliseconds(rest), share(rest)});
-  report.print("\n{}", table.text());
+  report.print("\n{}", table.text(report.width()));
 }
 
 /// Runs the steps and stores the data for the reports.
@@ -128,13 +129,17 @@ class Detection {
     warn_of_incomplete(reader_);
     plan_.input("FILE", options.sequence.file);
     plan_.output("--contacts", options.contacts);
-    plan_.output("--vtk", options.vtk);
+    const bool series = ContactFeaturesWriter::is_series(options.vtk);
+    plan_.output("--vtk", options.vtk, series ? ContactFeaturesWriter::kOnlyFiles : nullptr);
     plan_.output("--overlaps", options.overlaps);
     plan_.output("--stats", options.stats);
     if (options.report.json) plan_.output("--json", "-");
     plan_.check();
     if (!options.contacts.empty()) contacts_.emplace(options.contacts);
-    if (!options.vtk.empty()) vtk_.emplace(options.vtk);
+    if (series)
+      features_.emplace(options.vtk);
+    else if (!options.vtk.empty())
+      vtk_.emplace(options.vtk);
     if (!options.overlaps.empty()) overlaps_.emplace(options.overlaps, "step,a,b");
     if (!options.stats.empty()) stats_.emplace(options.stats);
     report_.emplace(options.report, plan_.report());
@@ -143,9 +148,12 @@ class Detection {
   int run() {
     const StepsDone steps = run_steps("detecting", range_, [this](int k) { run_step(k); });
     print_tables();
-    if (contacts_) note(options_.contacts, "contacts", kept(*contacts_, steps), steps);
-    if (vtk_) note(options_.vtk, "contacts", kept(*vtk_, steps), steps);
-    if (overlaps_) note(options_.overlaps, "initial overlaps", kept(*overlaps_, steps), steps);
+    StepsDone numbered = steps;  // as steps are numbered in files
+    for (int* bound : {&numbered.begin, &numbered.done, &numbered.end}) *bound *= options_.substeps;
+    if (contacts_) note(options_.contacts, "contacts", kept(*contacts_, numbered), numbered);
+    if (vtk_) note(options_.vtk, "contacts", kept(*vtk_, numbered), numbered);
+    if (features_) note(options_.vtk, "features in contact", kept(*features_, numbered), numbered);
+    if (overlaps_) note(options_.overlaps, "initial overlaps", kept(*overlaps_, numbered), numbered);
     if (stats_) {
       stats_->write(stats(steps).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
       stats_->commit();
@@ -202,9 +210,11 @@ class Detection {
     else
       runner_.run(topology, motion, request_);
     const StepResult& result = this->result();
-    const double begin = reader_.time(k), length = (reader_.time(k + 1) - begin) / n;
+    const double length = (reader_.time(k + 1) - reader_.time(k)) / n, begin = reader_.time(k) + i * length;
+    const double end = i + 1 == n ? reader_.time(k + 1) : begin + length;
     if (contacts_) contacts_->write_step(number, result.contacts, topology.mesh());
-    if (vtk_) vtk_->write_step(number, begin + i * length, begin + (i + 1) * length, result.contacts, topology.mesh());
+    if (vtk_) vtk_->write_step(number, begin, end, result.contacts, topology.mesh());
+    if (features_) features_->write_step(number, begin, end, result.contacts, topology.mesh(), motion);
     if (overlaps_) overlaps_->write_step(number, overlap_rows(number, result.initial_overlaps));
     add_part_pairs(number, result.contacts, topology.mesh(), part_pairs_);
   }
@@ -240,13 +250,14 @@ class Detection {
       table.add(row_of(fmt::format("{}", range_.begin + static_cast<int>(i)), steps_[i], request_.initial_overlaps));
     table.rule();
     table.add(row_of("all", total_, request_.initial_overlaps));
-    report_->print("{}: {}, {}, {} thread(s)\n\n{}", options_.sequence.file, pipeline().spec().name,
-                   to_string(pipeline().guarantee()), executor_->workers(), table.text());
+    report_->print("{}: {}, {}, {}\n\n{}", options_.sequence.file, pipeline().spec().name,
+                   to_string(pipeline().guarantee()), counted(executor_->workers(), "thread"),
+                   table.text(report_->width()));
     print_summary();
     if (request_.leave_out_shell_neighbours) print_left_out();
     print_part_pairs();
     print_stages(total_, request_.initial_overlaps, *report_);
-    if (ranks_) report_->print("\n{}", rank_table(rank_sums_, elements_));
+    if (ranks_) report_->print("\n{}", rank_table(rank_sums_, elements_, report_->width()));
   }
 
   /// Index into `steps_` of the earliest contact, in the first step that has one; empty if there are no contacts.
@@ -305,7 +316,7 @@ class Detection {
       table.add({part_name(parts.first), parts.first == parts.second ? "(itself)" : part_name(parts.second),
                  grouped(count.vf), grouped(count.ee), std::to_string(count.first_step), time_text(count.first_toi)});
     }
-    report_->print("\n{}", table.text());
+    report_->print("\n{}", table.text(report_->width()));
     if (pairs.size() > kPartPairsShown)
       report_->print("and {} more pairs of objects: --json lists all\n", grouped(pairs.size() - kPartPairsShown));
   }
@@ -379,6 +390,7 @@ class Detection {
   std::optional<Report> report_;
   std::optional<ContactsCsvWriter> contacts_;
   std::optional<ContactsVtpWriter> vtk_;
+  std::optional<ContactFeaturesWriter> features_;
   std::optional<StepTextWriter> overlaps_;
   std::optional<OutputFile> stats_;
   bool noted_ = false;
@@ -400,7 +412,8 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
   command->add_option("--contacts", options->contacts, "write the contacts as CSV")->type_name("FILE");
   command
       ->add_option("--vtk", options->vtk,
-                   "write the contacts as points for ParaView (.vtp): normals, times, kinds, objects")
+                   "for ParaView: F.vtp has a point for each contact, with normals, times, kinds, objects; F.pvd is a series "
+                   "of the features in contact at the end of each step, in F_0000.vtp, ...")
       ->type_name("FILE");
   command
       ->add_option("--overlaps", options->overlaps,
@@ -437,6 +450,7 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
       "Examples:\n"
       "  volccd detect run.vtkhdf --contacts contacts.csv --stats stats.json\n"
       "  volccd detect run.vtkhdf --vtk contacts.vtp --quiet\n"
+      "  volccd detect run.vtkhdf --vtk touching.pvd --quiet\n"
       "  volccd detect run.vtkhdf --steps 4:8 --pipeline NavCCD --threads 2\n"
       "  volccd detect run.vtkhdf --pipeline VolCCD --set csat.axis=optimal --set broad-phase=spatial-hash\n"
       "  volccd detect crash.vtkhdf --shells solid --pairs inter --first\n"

@@ -41,10 +41,12 @@ int print_scene_table(const TableOptions& options) {
   const std::string file = (std::filesystem::path(options.results) / (options.name + ".json")).string();
   const nlohmann::json records = read_json_file(file);
   if (!records.is_array()) throw InputError(file, "", "is not the record of a complete run");
-  const std::string text = untitled_text(scene_table(records.get<std::vector<nlohmann::json>>()));
-  Report(options.report)
-      .write("experiment table", {{"experiment", options.name}, {"tables", nlohmann::json::array()}, {"text", text}});
-  if (!is_standard_output(options.output) || !(options.report.json || options.report.quiet))
+  const Report report(options.report);
+  const bool to_screen = is_standard_output(options.output);
+  const std::string text =
+      untitled_text(scene_table(records.get<std::vector<nlohmann::json>>()), to_screen ? report.width() : kTextWidth);
+  report.write("experiment table", {{"experiment", options.name}, {"tables", nlohmann::json::array()}, {"text", text}});
+  if (!to_screen || !(options.report.json || options.report.quiet))
     write_text_file(options.output, text);
   return kDone;
 }
@@ -59,10 +61,11 @@ int print_table(const TableOptions& options) {
                                                       {"csv", TableFormat::csv},
                                                       {"latex", TableFormat::latex}};
   const std::vector<TitledTable> tables = kind->tables(read_record(file));
-  Report(options.report).write("experiment table", tables_json(options.name, tables));
+  const Report report(options.report);
+  report.write("experiment table", tables_json(options.name, tables));
   const bool to_screen = is_standard_output(options.output);
   if (!to_screen || !(options.report.json || options.report.quiet))
-    write_text_file(options.output, render(tables, formats.at(options.format)));
+    write_text_file(options.output, render(tables, formats.at(options.format), to_screen ? report.width() : kTextWidth));
   return kDone;
 }
 
@@ -82,7 +85,7 @@ int compare(const CompareOptions& options) {
                                       {"only_on_one_side", result.only_on_one_side},
                                       {"without_times", result.without_times},
                                       {"differences", to_json(result.table)}});
-  if (result.slower + result.faster + result.other_counts > 0) report.print("{}\n", result.table.text());
+  if (result.slower + result.faster + result.other_counts > 0) report.print("{}\n", result.table.text(report.width()));
   report.print("{} compared: {} slower, {} faster beyond the tolerance, {} with other counts\n", result.compared,
                result.slower, result.faster, result.other_counts);
   if (result.single > 0)

@@ -31,8 +31,9 @@ namespace volccd {
 namespace {
 
 struct ExperimentOptions {
-  std::vector<std::string> names, pipelines, settings;
-  std::string output = kDefaultResults;
+  std::vector<std::string> names, pipelines, settings, scenes;
+  std::string output = kDefaultResults, steps;
+  int rounds = 0;  ///< 0: those of the experiment
   bool quick = false, full = false, skip_complete = false;
   std::optional<unsigned> threads;
   ReportOptions report;
@@ -82,10 +83,20 @@ bool is_full_record(const std::string& file) {
   });
 }
 
-/// Hours of measurements are not replaced by minutes. Called before anything is measured.
-void keep_full_record(const ExperimentOptions& options, const std::string& name) {
+bool is_record_of_own_scenes(const nlohmann::json& record) {
+  return record.is_object() && record.value("/provenance/options"_json_pointer, "").find("--scenes") == 0;
+}
+
+/// Hours of measurements are not replaced by minutes, nor measurements of the experiment's scenes by those of others, nor
+/// these by those. Called before anything is measured.
+void keep_other_record(const ExperimentOptions& options, const std::string& name) {
   const bool full = name == kScenesExperiment ? !options.quick : options.full;
   const std::string file = record_file(options, name, ".json");
+  if (std::filesystem::exists(file) &&
+      is_record_of_own_scenes(nlohmann::json::parse(std::ifstream(file), nullptr, false)) == options.scenes.empty())
+    throw ConfigError(fmt::format("-o {}: {} is the record of {}; give another folder, or remove the file",
+                                  options.output, file,
+                                  options.scenes.empty() ? "a run with --scenes" : "the experiment's own scenes"));
   if (full || !is_full_record(file)) return;
   throw ConfigError(
       fmt::format("-o {}: {} is the record of a full run, which a quick run does not replace; give another "
@@ -128,12 +139,57 @@ std::optional<std::string> scene_file(const ExperimentOptions& options, const st
   return external ? file : sequence_file(name, options.simulation_threads());
 }
 
+std::vector<std::string> kinds_that_take_scenes() {
+  std::vector<std::string> names;
+  for (const ExperimentKind& kind : experiment_kinds())
+    if (kind.takes_scenes) names.emplace_back(kind.name);
+  return names;
+}
+
 /// Options that the experiment would ignore are refused.
 void check_options(const ExperimentKind* kind, const std::string& name, const ExperimentOptions& options) {
   if (!options.pipelines.empty() && !(kind && kind->takes_pipelines))
     throw ConfigError(fmt::format("{} takes no --pipelines: its pipelines are fixed", name));
   if (!options.settings.empty() && !(kind && kind->takes_settings))
     throw ConfigError(fmt::format("{} takes no --set; `volccd experiment run ablation --set ...` does", name));
+  if (!options.scenes.empty() && !(kind && kind->takes_scenes))
+    throw ConfigError(fmt::format("{} takes no --scenes: its scenes are fixed; {} do", name,
+                                  fmt::join(kinds_that_take_scenes(), ", ")));
+  if ((!options.steps.empty() || options.rounds > 0) && (!kind || kind->rows))
+    throw ConfigError(fmt::format("{} takes no {}", name, options.steps.empty() ? "--rounds" : "--steps"));
+}
+
+/// Sequences of the caller, by the names of their files; by their whole paths if two files have one name.
+std::vector<TableScene> own_scenes(const ExperimentOptions& options) {
+  std::vector<TableScene> scenes;
+  std::map<std::string, int> count;
+  const auto name_of_file = [](const std::string& file) { return std::filesystem::path(file).stem().string(); };
+  for (const std::string& scene : options.scenes) ++count[name_of_file(scene)];
+  for (const std::string& scene : options.scenes) {
+    const std::string name = name_of_file(scene);
+    const auto same = [&](const TableScene& other) { return other.name == name || other.name == scene; };
+    if (std::any_of(scenes.begin(), scenes.end(), same))
+      throw ConfigError(fmt::format("--scenes: {} is there twice", scene));
+    scenes.push_back({count[name] > 1 ? scene : name, sequence_file(scene, options.simulation_threads())});
+  }
+  return scenes;
+}
+
+/// Makes --steps and --rounds those of all runs. The record has names of files without their folders.
+void change_plan(const ExperimentOptions& options, ExperimentPlan& plan) {
+  std::vector<std::string> files;
+  for (const std::string& scene : options.scenes) files.push_back(std::filesystem::path(scene).filename().string());
+  if (!files.empty()) plan.options += fmt::format("--scenes {} ", fmt::join(files, ","));
+  if (!options.steps.empty()) plan.options += fmt::format("--steps {} ", options.steps);
+  if (options.rounds > 0) plan.options += fmt::format("--rounds {} ", options.rounds);
+  if (!plan.options.empty()) plan.options.pop_back();
+  if (options.rounds > 0) plan.rounds = options.rounds;
+  for (SceneRun& run : plan.runs) {
+    if (options.rounds > 0) run.rounds = 0;
+    if (options.steps.empty()) continue;
+    const StepRange range = parse_steps(options.steps, step_count(run.file), run.file);
+    run.windows = {{range.begin, range.end - range.begin}};
+  }
 }
 
 /// Returns exit code 1, with a message on stderr, if pipelines that must find the same contacts found different ones.
@@ -152,7 +208,7 @@ RecordFile open_record(const ExperimentOptions& options, const std::string& name
   if (record.set_aside())
     report.print("{}: rows of another build or plan, kept as {}\n", record.incomplete_file(), record.old_file());
   if (record.resumed() > 0)
-    report.print("{}: continued; {} window(s) are complete\n", record.incomplete_file(), record.resumed());
+    report.print("{}: continued; {} complete\n", record.incomplete_file(), counted(record.resumed(), "window"));
   return record;
 }
 
@@ -186,8 +242,9 @@ void write_results(const ExperimentKind& kind, const ExperimentOptions& options,
   const Report report(options.report);
   const nlohmann::json whole = {{"rows", record.rows()}, {"provenance", facts}};
   record.finish(facts, kind.summary ? kind.summary(whole) : nlohmann::json::array());
-  const std::string tables = render(kind.tables(whole), TableFormat::text);
-  report.print("{}\n", tables);
+  const std::vector<TitledTable> made = kind.tables(whole);
+  const std::string tables = render(made, TableFormat::text);
+  report.print("{}\n", render(made, TableFormat::text, report.width()));
   write_text_file(record_file(options, kind.name, ".txt"), tables);
   report.print("record: {}\n", record.file());
   add_finished(kind.name, record.file(), true, tables, finished);
@@ -204,8 +261,10 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
     if (!files.contains(name)) files[name] = scene_file(options, name);
     return files.at(name);
   };
-  const PlanContext context{registry, options.full, options.pipelines, options.settings, file_of, executor.get()};
-  const ExperimentPlan plan = kind.plan(context);
+  PlanContext context{registry, options.full, options.pipelines, options.settings, file_of, executor.get()};
+  context.own_scenes = own_scenes(options);
+  ExperimentPlan plan = kind.plan(context);
+  change_plan(options, plan);
   if (plan.runs.empty()) throw ConfigError(fmt::format("{}: none of its scenes is there", kind.name));
   check_outputs(options, kind.name, plan);
   const nlohmann::json facts = provenance(plan, *executor), identity = identity_of(facts);
@@ -267,7 +326,7 @@ int run_scenes(const ExperimentOptions& options, Finished& finished) {
     keep(options, name, records, untitled_text(scene_table(records)), true, finished);
     return kDone;
   }
-  const std::string text = fmt::format("{} scene(s) are complete; {}", records.size(), stopped_by);
+  const std::string text = fmt::format("{} complete; {}", counted(records.size(), "scene"), stopped_by);
   keep(options, name, {{"complete", false}, {"stopped_by", stopped_by}, {"records", records}},
        fmt::format("incomplete: {}\n\n{}", text, untitled_text(scene_table(records))), false, finished);
   fmt::print(stderr, "volccd: incomplete: {}\n", text);
@@ -297,6 +356,8 @@ int run(const ExperimentOptions& options, const Registry& registry) {
   std::vector<std::pair<std::string, ExperimentOptions>> jobs;
   for (const std::string& name : options.names) {  // before the first experiment takes its time
     if (name == "all") {
+      if (!options.scenes.empty() || !options.steps.empty() || options.rounds > 0)
+        throw ConfigError("all takes no --scenes, --steps or --rounds: name the experiments");
       const auto all = all_experiments(options);
       jobs.insert(jobs.end(), all.begin(), all.end());
       continue;
@@ -305,7 +366,7 @@ int run(const ExperimentOptions& options, const Registry& registry) {
     check_options(find_kind(name), name, options);
     jobs.emplace_back(name, options);
   }
-  for (const auto& [name, own] : jobs) keep_full_record(own, name);
+  for (const auto& [name, own] : jobs) keep_other_record(own, name);
   Finished finished;
   int code = kDone;  // if contacts differ in one experiment, the next one still runs
   for (const auto& [name, own] : jobs) {
@@ -326,6 +387,7 @@ constexpr const char* kRunFooter =
     "  volccd experiment run projectile --quick\n"
     "  volccd experiment run projectile --pipelines BruteForce -o build/brute-force\n"
     "  volccd experiment run ablation --pipelines VolCCD,VolCCD+ --set csat.axis=face,centroid\n"
+    "  volccd experiment run table1 ablation plus --scenes my.vtkhdf,other.vtkhdf --steps 10:20 --rounds 5 -o mine\n"
     "  volccd experiment run all --full --skip-complete -o results/";
 
 }  // namespace
@@ -345,6 +407,20 @@ void add_experiment_run_command(CLI::App& experiment, const Registry& registry, 
                    "may be repeated")
       ->type_name("SETTING")
       ->allow_extra_args(false);
+  run_command
+      ->add_option("--scenes", options->scenes,
+                   "sequences (VTKHDF) or names of scenes in the place of the experiment's, FILE[,FILE...]: for " +
+                       fmt::format("{}", fmt::join(kinds_that_take_scenes(), ", ")))
+      ->delimiter(',')
+      ->type_name("FILES")
+      ->allow_extra_args(false);
+  run_command
+      ->add_option("--steps", options->steps,
+                   "measures all steps k with A <= k < B of each scene (K: one step) in the place of a sample")
+      ->type_name("A:B");
+  run_command->add_option("--rounds", options->rounds, "how often each step is measured; tables show medians")
+      ->check(at_least(1))
+      ->type_name("N");
   run_command
       ->add_option("-o,--output", options->output,
                    "folder for tables and records; a quick run does not replace the record of a full one")

@@ -57,7 +57,7 @@ int export_frames(const ExportOptions& options) {
   StepsDone frames =
       run_steps("exporting", range, [&](int k) { write_frame(reader, k, file_of_frame(options.output, k)); });
   frames.unit = "frame";
-  report.print("{} frame(s) written to {} .. {}\n", frames.done - frames.begin,
+  report.print("{} written to {} .. {}\n", counted(static_cast<std::uint64_t>(frames.done - frames.begin), "frame"),
                file_of_frame(options.output, frames.begin), file_of_frame(options.output, frames.done - 1));
   print_incomplete(frames, report.people());
   return exit_code(frames);

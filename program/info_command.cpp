@@ -221,7 +221,7 @@ int info(const InfoOptions& options) {
     TextTable table({"step", with_unit("time", reader.metadata().time_unit), "elements", "mean edge",
                      "moved: median [edges]", "99 % [edges]", "largest [edges]"});
     steps = read_steps(options, reader, table, document["motions"]);
-    report.print("\nsteps: distances that vertices move, in mean edges\n{}", table.text());
+    report.print("\nsteps: distances that vertices move, in mean edges\n{}", table.text(report.width()));
   }
   document["complete"] = steps.complete();
   report.write("info", document);

@@ -139,7 +139,7 @@ void add_picture_view(CLI::App& command, PictureOptions& options) {
   command
       .add_option("--columns", config.columns,
                   "number of panels in a row; 0: one for each file, or all frames of one file")
-      ->check(CLI::NonNegativeNumber)
+      ->check(at_least(0))
       ->type_name("N")
       ->capture_default_str();
 }

@@ -67,6 +67,14 @@ int program(int argc, const char* const* argv, const Registry& own) {
   add_view_command(app, registry, action);
   add_help_command(app, registry, action);
   use_help_formatter(app);
+  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
+    return "volccd: " + CLI::FailureMessage::simple(failed, error);
+  });
+  if (argc < 2) {
+    fmt::print("{}", short_help(app));
+    flush_output();
+    return kBadInput;
+  }
   try {
     check_command_names(app, argc, argv);
     app.parse(argc, argv);

@@ -106,7 +106,7 @@ int run(const QueriesOptions& options, const Registry& registry) {
   const std::string incomplete =
       fmt::format("incomplete: {} group(s) of queries are complete; {}\n", record.groups.size(), record.stopped_by);
   const Report report(options.report);
-  report.print("{}\n\n{}", record.file, query_table(record));
+  report.print("{}\n\n{}", record.file, query_table(record, report.width()));
   if (code != kDone) report.print("\n{}", incomplete);
   report.write("queries", record.to_json());
   if (code != kDone) {

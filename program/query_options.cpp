@@ -119,7 +119,7 @@ void QueryOptions::add_to(CLI::App& command) {
       .add_option("--separation", separation,
                   "distance at which features are in contact; at most the diagonal of the box around the scene; "
                   "default: 0, or with --motion query the separation of the query")
-      ->check(CLI::NonNegativeNumber)
+      ->check(at_least(0))
       ->type_name("D");
   command
       .add_option("--shell-neighbours", shell_neighbours,

@@ -24,7 +24,8 @@ std::vector<std::string> row_of(const std::string& title, const distributed::Ran
 
 }  // namespace
 
-std::string rank_table(std::span<const distributed::RankStatistics> ranks, std::uint64_t elements) {
+std::string rank_table(std::span<const distributed::RankStatistics> ranks, std::uint64_t elements,
+                       std::size_t width) {
   TextTable table({"rank", "elements", "copies", "tests", "contacts", "time [ms]", "pieces [ms]"});
   distributed::RankStatistics all;
   double slowest = 0;
@@ -37,7 +38,7 @@ std::string rank_table(std::span<const distributed::RankStatistics> ranks, std::
   table.add(row_of("all", all));
   const double mean = all.seconds / static_cast<double>(ranks.size());
   return fmt::format("{}slowest rank / mean: {:.2f}; elements of all ranks / elements of the mesh: {:.2f}\n",
-                     table.text(), slowest / std::max(mean, 1e-300),
+                     table.text(width), slowest / std::max(mean, 1e-300),
                      static_cast<double>(all.elements) / std::max(1.0, static_cast<double>(elements)));
 }
 

@@ -1,5 +1,7 @@
 #include <volccd/program/report.hpp>
 
+#include <sys/ioctl.h>
+
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
@@ -21,6 +23,13 @@ void ReportOptions::add_quiet_to(CLI::App& command) {
         Progress::silence();
       },
       "print no tables and no progress, only errors, warnings, and outputs that are requested by name");
+}
+
+std::size_t Report::width() const {
+  constexpr std::size_t min_width = 40;
+  winsize size{};
+  if (!people_ || ioctl(fileno(people_), TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kTextWidth;
+  return std::max<std::size_t>(size.ws_col, min_width);
 }
 
 void Report::write(const char* command, nlohmann::json document) const {

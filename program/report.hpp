@@ -33,6 +33,8 @@ class Report {
   void print(fmt::format_string<T...> format, T&&... arguments) const {
     if (people_) fmt::print(people_, format, std::forward<T>(arguments)...);
   }
+  /// The columns that tables may take: those of the terminal that print() writes to, else kTextWidth.
+  std::size_t width() const;
   bool for_people() const { return people_ != nullptr; }
   bool wants_json() const { return options_.json; }
   /// The stream of print(); null if there is none.

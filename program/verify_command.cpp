@@ -194,7 +194,7 @@ class Verification {
 
   int run() {
     const StepsDone steps = run_steps("verifying", range_, [this](int k) { run_step(k); });
-    report_.print("{}", table_.text());
+    report_.print("{}", table_.text(report_.width()));
     if (config_.leave_out_shell_neighbours)
       report_.print("left out of the contacts: {} of features with copies of the same shell vertex\n",
                     grouped(left_out_));

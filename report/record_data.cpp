@@ -63,12 +63,12 @@ json harness_record(const ExperimentKind& kind, const std::string& folder) {
   for (const TitledTable& table : kind.tables(record)) tables.push_back(table_json(table));
   json provenance = record.value("provenance", json::object());
   provenance.erase("plan");
-  const std::string setting = provenance.value("setting", "quick");
+  const std::string setting = provenance.value("setting", "quick"), options = provenance.value("options", "");
   return {{"name", kind.name},
           {"description", kind.description},
           {"file", file},
-          {"command", fmt::format("volccd experiment run {} --{} --threads {} -o {}", kind.name, setting,
-                                  provenance.value("threads", 1), folder)},
+          {"command", fmt::format("volccd experiment run {} --{} --threads {} {}-o {}", kind.name, setting,
+                                  provenance.value("threads", 1), options.empty() ? "" : options + " ", folder)},
           {"row_count", record.at("rows").size()},
           {"provenance", std::move(provenance)},
           {"tables", std::move(tables)},

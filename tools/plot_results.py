@@ -19,8 +19,8 @@ of an ablation (ablation-stages), and several threads (plus-2-threads). A figure
 skipped with a message.
 
 Examples:
-  plot_results.py results/                                  all figures, into results/figures/
-  plot_results.py results/ -o build/figures --only speedup culling
+  volccd-plot results/                                  all figures, into results/figures/
+  volccd-plot results/ -o build/figures --only speedup culling
 
 Needs python3-matplotlib. Exit code: 0 drawn, 2 bad input, output or usage; records are checked before
 anything is drawn.
@@ -33,7 +33,7 @@ import sys
 try:
     import matplotlib
 except ImportError as problem:
-    sys.exit(f"plot_results.py: {problem}; install python3-matplotlib")
+    sys.exit(f"volccd-plot: {problem}; install python3-matplotlib")
 
 from plots.ablation import draw_ablation
 from plots.culling import draw_culling
@@ -44,6 +44,7 @@ from plots.records import COUNTS, STAGES, BadInput, caption_of, check_columns, r
 from plots.scaling import draw_scaling, draw_scaling_motion
 from plots.speedup import draw_speedup
 from plots.stages import draw_breakdown, draw_false_positives, draw_funnel
+from version import version
 
 PAIRS = ("element_pairs", "adjacent_pairs")
 SCALING = ("seconds", "elements", "workspace_bytes", *COUNTS)
@@ -63,7 +64,7 @@ FIGURES = {
 
 
 def say(text):
-    print(f"plot_results.py: {text}")
+    print(f"volccd-plot: {text}")
 
 
 def records_in(folder, wanted):
@@ -120,8 +121,9 @@ def pages_of(record, names):
 
 def parse_arguments(arguments):
     every = [name for figures in FIGURES.values() for name in figures]
-    parser = argparse.ArgumentParser(prog="plot_results.py", description=__doc__,
+    parser = argparse.ArgumentParser(prog="volccd-plot", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--version", action="version", version=f"volccd-plot {version()}")
     parser.add_argument("folder", metavar="RESULTS_FOLDER", help="the records")
     parser.add_argument("-o", "--output", metavar="FOLDER",
                         help="where figures are written; RESULTS_FOLDER/figures if absent")
@@ -145,7 +147,7 @@ def main(arguments):
                 page.save(path, caption_of(record))
                 print(f"{path}.svg, {path}.png")
     except (BadInput, OSError) as problem:
-        print(f"plot_results.py: {problem}", file=sys.stderr)
+        print(f"volccd-plot: {problem}", file=sys.stderr)
         return 2
     return 0
 

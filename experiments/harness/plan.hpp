@@ -46,6 +46,7 @@ struct ExperimentPlan {
   std::string setting;  ///< "quick" or "full"
   int rounds = 1;
   std::vector<SceneRun> runs;
+  std::string options = {};  ///< what a caller has changed, as on the command line: "--scenes run.vtkhdf --rounds 5"
 };
 
 /// The values as on the command line.

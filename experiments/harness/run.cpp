@@ -317,6 +317,7 @@ json provenance(const ExperimentPlan& plan, const Executor& executor) {
   result["program_fnv1a"] = file_hash("/proc/self/exe");
   result["plan"] = to_json(plan);
   result["setting"] = plan.setting;
+  if (!plan.options.empty()) result["options"] = plan.options;
   result["rounds"] = plan.rounds;
   result["threads"] = executor.workers();
   result["inputs"] = json::array();

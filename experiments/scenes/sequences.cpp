@@ -22,10 +22,7 @@ const SimulatedScene* simulated_by_name(const std::string& text, BakeSettings& s
 
 /// The scene is computed each time, which takes about a second, because a file does not say which build wrote it.
 std::string write_to_cache(const Scene& scene, const std::string& name) {
-  const std::filesystem::path folder = bake_cache_folder();
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "", error.message());
+  const std::filesystem::path folder = make_cache_folder(bake_cache_folder());
   const std::string file = (folder / (name + ".vtkhdf")).string();
   write_scene(scene, file);
   return file;

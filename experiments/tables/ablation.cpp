@@ -111,7 +111,7 @@ TitledTable table_of(const Rows& rows, const std::string& title) {
       const Rows of = rows.with("pipeline", pipeline).with("variant", variant);
       const auto count = [&](const char* column) { return grouped(static_cast<std::uint64_t>(of.sum(column))); };
       table.add({pipeline, variant.get<std::string>().empty() ? "-" : variant,
-                 fmt::format("{:.3g}", of.median_ms(kStepTime)), fmt::format("{:.3g}", of.median_ms(kStepTime) / best),
+                 number_text(of.median_ms(kStepTime)), number_text(of.median_ms(kStepTime) / best),
                  count("element_pairs"), count("surviving_pairs"), grouped(static_cast<std::uint64_t>(of.tests())),
                  count("contacts")});
     }
@@ -125,7 +125,7 @@ ExperimentPlan ablation_plan(const PlanContext& context) {
   const bool own = !context.pipelines.empty() || !context.settings.empty();
   for (const TableScene& scene : table_scenes(context)) {
     // Without the crash, which takes longest and whose results are similar to those of the other scenes.
-    if (scene.name != "octopi" && scene.name != "bullet" && scene.name != "ls-dyna-projectile" &&
+    if (context.own_scenes.empty() && scene.name != "octopi" && scene.name != "bullet" && scene.name != "ls-dyna-projectile" &&
         !(own && scene.name == "crash"))
       continue;
     SceneRun run{scene.name, scene.file, table_config(scene.file), sampled_windows(step_count(scene.file), 1, 1), {}};

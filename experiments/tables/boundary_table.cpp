@@ -26,13 +26,13 @@ Rows rows_of(const Rows& rows, const json& scene, const json& threads, const std
 }
 
 double ms_of(const Rows& rows) { return rows.empty() ? 0 : rows.mean_ms(kStepAndEditTime); }
-std::string ms_text(double ms) { return ms > 0 ? fmt::format("{:.3g}", ms) : "-"; }
+std::string ms_text(double ms) { return ms > 0 ? number_text(ms) : "-"; }
 std::string ratio_of(double a, double b) { return a > 0 && b > 0 ? ratio_text(a / b) : "-"; }
 
 /// Whole and boundary on the same steps.
 TitledTable same_motions(const Rows& rows) {
   TextTable table({"scene", "threads", "pipeline", "steps", "elements", "on boundary", "all, ms", "boundary, ms",
-                   "all / boundary", "paper", "contacts, all", "boundary"},
+                   "all / boundary", "paper", "contacts, all", "contacts, boundary"},
                   3);
   for (const json& scene : rows.values("scene")) {
     table.rule();
@@ -81,16 +81,23 @@ std::optional<TitledTable> two_simulations(const Rows& rows) {
                      "surface; the two were not measured in turns\n"};
 }
 
+std::vector<TableScene> boundary_scenes(const PlanContext& context) {
+  if (!context.own_scenes.empty()) return context.own_scenes;
+  std::vector<TableScene> scenes;
+  for (const std::string name : {"octopi", "bullet", "bullet-boundary", "bullet-surface", "airbag", "liver", "crash"})
+    if (const std::optional<std::string> file = context.file_of(name + (context.full ? "" : "-quick")))
+      scenes.push_back({name, *file});
+  return scenes;
+}
+
 }  // namespace
 
 ExperimentPlan boundary_plan(const PlanContext& context) {
   ExperimentPlan plan{"boundary", context.full ? "full" : "quick", 3, {}};
-  for (const std::string name : {"octopi", "bullet", "bullet-boundary", "bullet-surface", "airbag", "liver", "crash"}) {
-    const std::optional<std::string> file = context.file_of(name + (context.full ? "" : "-quick"));
-    if (!file) continue;
+  for (const TableScene& scene : boundary_scenes(context)) {
     for (const unsigned threads : {1u, 2u}) {
-      SceneRun run{name, *file, table_config(*file),
-                   sampled_windows(step_count(*file), context.full ? 4 : 1, context.full ? 2 : 3)};
+      SceneRun run{scene.name, scene.file, table_config(scene.file),
+                   sampled_windows(step_count(scene.file), context.full ? 4 : 1, context.full ? 2 : 3)};
       run.threads = threads;
       for (const char* pipeline : kCompared)
         for (const bool on_boundary : {false, true}) {

@@ -21,37 +21,88 @@ namespace volccd {
 
 const std::vector<ExperimentKind>& experiment_kinds() {
   static const std::vector<ExperimentKind> kinds = {
-      {"projectile", "NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares",
-       projectile_plan, pipeline_tables, nullptr, nullptr, true},
-      {"table1", "Table I three times: as in 2011, with today's baselines, and certified; Figures 4 and 11",
-       table1_plan, table1_tables, table1_summary, nullptr, true},
-      {"culling", "Tables II and III: VF and EE tests without culling, with features, with features and elements",
-       culling_plan, culling_tables, nullptr},
-      {"ablation", "sound combinations of culling stages on each broad phase, and options (--pipelines, --set)",
-       ablation_plan, ablation_tables, nullptr, nullptr, true, true},
-      {"scaling", "time, memory and tests against elements and against movement per step", scaling_plan, scaling_tables,
-       scaling_summary, nullptr, true},
-      {"plus", "whole steps of VolCCD+ and VolCCD, without the flood, and on the boundary alone; two cores", plus_plan,
-       plus_tables, plus_summary, nullptr, true},
-      {"boundary", "Section 7.1: all features against those of the boundary alone, on one thread and on two",
-       boundary_plan, boundary_tables, nullptr},
-      {"operations", "Section 7: operations and nanoseconds of CSAT, of an elementary test, and of OBBs and k-DOPs",
-       operation_plan, operation_tables, nullptr, operation_rows},
-      {"inversion", "Section 7.2: contacts within objects that an inversion test points at, and those that it misses",
-       inversion_plan, inversion_tables, nullptr, inversion_rows},
-      {"peers", "broad phases side by side, those of other libraries included: update, query, pairs a second, memory",
-       peers_plan, peers_tables, peers_summary, peers_rows},
-      {"substeps", "VolCCD+ on motions divided into 1 to 1000 substeps, with and without candidate lists",
-       substeps_plan, substeps_tables, substeps_summary, substeps_rows},
-      {"first-steps", "VolCCD+: the first step of a mesh in parts (topology, tree, tables, the rest), beside later steps",
-       first_steps_plan, first_steps_tables, first_steps_summary, first_steps_rows},
-      {"feature-sets", "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
-       feature_set_plan, feature_set_tables, nullptr, feature_set_rows, false, false, true},
+      {.name = "projectile",
+       .description = "NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares",
+       .plan = projectile_plan,
+       .tables = pipeline_tables,
+       .takes_pipelines = true,
+       .takes_scenes = true},
+      {.name = "table1",
+       .description = "Table I three times: as in 2011, with today's baselines, and certified; Figures 4 and 11",
+       .plan = table1_plan,
+       .tables = table1_tables,
+       .summary = table1_summary,
+       .takes_pipelines = true,
+       .takes_scenes = true},
+      {.name = "culling",
+       .description = "Tables II and III: VF and EE tests without culling, with features, with features and elements",
+       .plan = culling_plan,
+       .tables = culling_tables},
+      {.name = "ablation",
+       .description = "sound combinations of culling stages on each broad phase, and options (--pipelines, --set)",
+       .plan = ablation_plan,
+       .tables = ablation_tables,
+       .takes_pipelines = true,
+       .takes_settings = true,
+       .takes_scenes = true},
+      {.name = "scaling",
+       .description = "time, memory and tests against elements and against movement per step",
+       .plan = scaling_plan,
+       .tables = scaling_tables,
+       .summary = scaling_summary,
+       .takes_pipelines = true},
+      {.name = "plus",
+       .description = "whole steps of VolCCD+ and VolCCD, without the flood, and on the boundary alone; two cores",
+       .plan = plus_plan,
+       .tables = plus_tables,
+       .summary = plus_summary,
+       .takes_pipelines = true,
+       .takes_scenes = true},
+      {.name = "boundary",
+       .description = "Section 7.1: all features against those of the boundary alone, on one thread and on two",
+       .plan = boundary_plan,
+       .tables = boundary_tables,
+       .takes_scenes = true},
+      {.name = "operations",
+       .description = "Section 7: operations and nanoseconds of CSAT, of an elementary test, and of OBBs and k-DOPs",
+       .plan = operation_plan,
+       .tables = operation_tables,
+       .rows = operation_rows},
+      {.name = "inversion",
+       .description = "Section 7.2: contacts within objects that an inversion test points at, and those that it misses",
+       .plan = inversion_plan,
+       .tables = inversion_tables,
+       .rows = inversion_rows},
+      {.name = "peers",
+       .description = "broad phases side by side, those of other libraries included: update, query, pairs a second, memory",
+       .plan = peers_plan,
+       .tables = peers_tables,
+       .summary = peers_summary,
+       .rows = peers_rows},
+      {.name = "substeps",
+       .description = "VolCCD+ on motions divided into 1 to 1000 substeps, with and without candidate lists",
+       .plan = substeps_plan,
+       .tables = substeps_tables,
+       .summary = substeps_summary,
+       .rows = substeps_rows},
+      {.name = "first-steps",
+       .description = "VolCCD+: the first step of a mesh in parts (topology, tree, tables, the rest), beside later steps",
+       .plan = first_steps_plan,
+       .tables = first_steps_tables,
+       .summary = first_steps_summary,
+       .rows = first_steps_rows},
+      {.name = "feature-sets",
+       .description = "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
+       .plan = feature_set_plan,
+       .tables = feature_set_tables,
+       .rows = feature_set_rows,
+       .curves = true},
   };
   return kinds;
 }
 
 std::vector<TableScene> table_scenes(const PlanContext& context) {
+  if (!context.own_scenes.empty()) return context.own_scenes;
   std::vector<TableScene> scenes;
   const auto add = [&](const std::string& name, const std::string& source) {
     if (const std::optional<std::string> file = context.file_of(source)) scenes.push_back({name, *file});
@@ -64,6 +115,7 @@ std::vector<TableScene> table_scenes(const PlanContext& context) {
 }
 
 std::vector<TableScene> table_and_large_scenes(const PlanContext& context) {
+  if (!context.own_scenes.empty()) return context.own_scenes;
   std::vector<TableScene> scenes = table_scenes(context);
   for (const char* name : {"octopus2-105k-deformed", "cloth-ball", "rod-twist"})
     if (const std::optional<std::string> file = context.file_of(name)) scenes.push_back({name, *file, true});
@@ -93,6 +145,6 @@ Entrant entrant(const Registry& registry, const std::string& table, const std::s
 std::string ratio_text(double value) {
   return value >= 100 ? fmt::format("{:.0f}x", value) : fmt::format("{:.3g}x", value);
 }
-std::string percent_text(double share) { return fmt::format("{:.3g} %", 100 * share); }
+std::string percent_text(double share) { return number_text(100 * share) + " %"; }
 
 }  // namespace volccd

@@ -14,6 +14,12 @@
 
 namespace volccd {
 
+struct TableScene {
+  std::string name;  ///< as in rows
+  std::string file;
+  bool large = false;  ///< a quick run has fewer steps of it
+};
+
 /// Input of the functions that make plans.
 struct PlanContext {
   const Registry& registry;
@@ -26,6 +32,8 @@ struct PlanContext {
   /// For `rows`: the executor (null: one thread), and a function that is told the progress; it may throw to stop.
   Executor* executor = nullptr;
   std::function<void(std::size_t done, std::size_t total)> progress = {};
+  /// A caller's own sequences, in the place of the experiment's scenes (ExperimentKind::takes_scenes).
+  std::vector<TableScene> own_scenes = {};
 };
 
 struct ExperimentKind {
@@ -34,23 +42,19 @@ struct ExperimentKind {
   ExperimentPlan (*plan)(const PlanContext& context);
   std::vector<TitledTable> (*tables)(const nlohmann::json& record);
   /// Makes the summary for scripts and other documents; null: there is none.
-  nlohmann::json (*summary)(const nlohmann::json& record);
+  nlohmann::json (*summary)(const nlohmann::json& record) = nullptr;
   /// Makes the rows, if the harness does not make them from a plan; may be null.
   std::vector<nlohmann::json> (*rows)(const PlanContext& context) = nullptr;
   bool takes_pipelines = false, takes_settings = false;  ///< whether it uses those of the context
-  bool curves = false;  ///< one row for each scene and step: the report draws its numbers over the steps
+  bool takes_scenes = false;  ///< whether PlanContext::own_scenes can take the place of its scenes
+  bool curves = false;        ///< one row for each scene and step: the report draws its numbers over the steps
 };
 
 const std::vector<ExperimentKind>& experiment_kinds();
 
-struct TableScene {
-  std::string name;  ///< as in rows
-  std::string file;
-  bool large = false;  ///< a quick run has fewer steps of it
-};
-/// The five simulated scenes, followed by those runs of other programs that are available.
+/// A caller's own scenes; else the five simulated scenes, followed by those runs of other programs that are available.
 std::vector<TableScene> table_scenes(const PlanContext& context);
-/// These, followed by large ones that are available: a mesh of 105 K tetrahedra that is turned and shortened, and two
+/// A caller's own scenes; else these, followed by large ones that are available: a mesh of 105 K tetrahedra that is turned and shortened, and two
 /// surfaces.
 std::vector<TableScene> table_and_large_scenes(const PlanContext& context);
 

@@ -37,7 +37,7 @@ struct CullingLine {
   double feature_ns = 0, element_ns = 0;  ///< of a test that filters get; of one that pairs have without culling
 };
 
-std::string ns_text(double ns) { return ns > 0 ? fmt::format("{:.3g}", ns) : "-"; }
+std::string ns_text(double ns) { return ns > 0 ? number_text(ns) : "-"; }
 std::string over(double a, double b) { return a > 0 && b > 0 ? ratio_text(a / b) : "-"; }
 
 }  // namespace
@@ -56,8 +56,8 @@ void add_coplanarity(const Registry& registry, std::vector<Entrant>& entrants) {
 }
 
 TitledTable coplanarity_table(const Rows& rows, const std::string& title) {
-  TextTable table({"culling", "ms a step", "ns/test, elements", "features", "/ CSAT, features", "paper",
-                   "/ CSAT, elements", "paper", "tests left", "left", "contacts"});
+  TextTable table({"culling", "ms a step", "ns/test, elements", "features", "/ CSAT, features", "paper, features",
+                   "/ CSAT, elements", "paper, elements", "tests left", "left", "contacts"});
   const CullingLine plain(rows, kNoFilter.name), element_csat(rows, kElementsByCsat + std::string(kNoFilter.name));
   for (const json& variant : rows.values("variant")) {
     const std::string name = variant;
@@ -65,7 +65,7 @@ TitledTable coplanarity_table(const Rows& rows, const std::string& title) {
     const CullingLine line(rows, name), csat(rows, (elements ? kElementsByCsat : "") + std::string(kCsatFilter.name));
     const bool against_elements = coplanarity && !elements;
     const double all = plain.rows.empty() ? 0 : plain.rows.tests();
-    table.add({name, fmt::format("{:.3g}", line.rows.mean_ms(kStepTime)), ns_text(elements ? line.element_ns : 0),
+    table.add({name, number_text(line.rows.mean_ms(kStepTime)), ns_text(elements ? line.element_ns : 0),
                ns_text(line.feature_ns), coplanarity ? over(line.feature_ns, csat.feature_ns) : "-",
                coplanarity ? "2x" : "-", against_elements ? over(line.feature_ns, element_csat.element_ns) : "-",
                against_elements ? "6x" : "-", grouped(static_cast<std::uint64_t>(line.rows.tests())),

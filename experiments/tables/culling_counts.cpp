@@ -70,14 +70,14 @@ std::vector<TitledTable> culling_tables(const json& record) {
     const Rows of = rows.with("scene", paper.scene);
     if (of.empty()) continue;
     TextTable table(
-        {"culling", "VF/step", "EE/step", "total/step", "total", "ratio", "paper: VF", "EE", "total", "ratio"});
+        {"culling", "VF/step", "EE/step", "total/step", "total", "ratio", "paper, VF", "paper, EE", "paper, total", "paper, ratio"});
     add_lines(of, paper, table);
     tables.push_back(
         {fmt::format("{}: elementary tests on {}, {} elements, {} steps", paper.title, paper.scene,
                      grouped(static_cast<std::uint64_t>(of.median("elements"))), of.steps()),
          table,
          "ratio: to the line above; total: sum over the steps that were measured. The paper does not say whether "
-         "its counts are a\nstep's or all steps': those of Table II in the time of Table I would be 2.7 ns a "
+         "its counts are a step's or all steps': those of Table II in the time of Table I would be 2.7 ns a "
          "test.\n"});
   }
   return tables;

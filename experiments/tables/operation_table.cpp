@@ -28,7 +28,8 @@ bool is_coplanarity(const json& row) { return row.at("operation").get<std::strin
 bool is_of_bounds(const json& row) { return row.at("kind") == "element" || row.at("kind") == "element-pair"; }
 
 TitledTable test_table(const json& record) {
-  TextTable table({"operation", "kind", "tests", "+ -", "*", "/", "paper: + -", "*", "/", "compare", "sqrt", "ns"});
+  TextTable table({"operation", "kind", "tests", "+ -", "*", "/", "paper, + -", "paper, *", "paper, /", "compare", "sqrt",
+                   "ns"});
   for (const json& row : record.at("rows")) {
     if (is_of_bounds(row) || is_coplanarity(row)) continue;
     table.add({row.at("operation"), row.at("kind"), grouped(row.at("tests").get<std::uint64_t>()),
@@ -92,8 +93,8 @@ std::string printed_slower(const json& row) {
 
 /// Rows: operations; nothing in a record without bounds.
 std::optional<TitledTable> bound_table(const json& record) {
-  TextTable table({"operation", "on", "samples", "+ -", "*", "/", "compare", "abs", "sqrt", "paper: + -", "*",
-                   "compare", "abs", "ns", "/ k-DOP", "paper", "found apart"});
+  TextTable table({"operation", "on", "samples", "+ -", "*", "/", "compare", "abs", "sqrt", "paper, + -", "paper, *",
+                   "paper, compare", "paper, abs", "ns", "/ k-DOP", "paper, / k-DOP", "found apart"});
   bool any = false;
   for (const json& row : record.at("rows")) {
     if (!is_of_bounds(row)) continue;

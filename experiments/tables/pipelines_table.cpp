@@ -61,12 +61,13 @@ TitledTable comparison(const Rows& rows, const std::string& scene) {
                same_contacts(of, entrants[0]) ? "yes" : "NO"});
   table.rule();
   table.add({"paper, bullet", "48 ms", "21x", "28x", "-", "-", "-", "0.69 %", "-", "-", "-"});
-  return {fmt::format("{}: {} steps, {} round(s), {} thread(s)", scene, rows.steps(), rows.values("round").size(),
-                      rows.front().at("threads").get<int>()),
+  return {fmt::format("{}: {}, {}, {}", scene, counted(rows.steps(), "step"),
+                      counted(rows.values("round").size(), "round"),
+                      counted(rows.front().at("threads").get<std::uint64_t>(), "thread")),
           table,
           "time: median over steps of medians over rounds; counts: sums over steps; /: speed-up; tests: share of "
           "NavCCD's; "
-          "earliest: step + time;\nsame: the first pipeline's contacts, bit for bit\n"};
+          "earliest: step + time; same: the first pipeline's contacts, bit for bit\n"};
 }
 
 TitledTable stage_shares(const Rows& rows, const std::string& scene) {
@@ -85,30 +86,38 @@ TitledTable stage_shares(const Rows& rows, const std::string& scene) {
       const double run = of.sum(std::string(role) + "_run_s");
       prepare += of.sum(std::string(role) + "_prepare_s");
       known += run;
-      cells.push_back(run > 0 ? fmt::format("{:.1f}", 100 * run / whole) : "-");
+      cells.push_back(run > 0 ? fixed_text(100 * run / whole, 1) : "-");
     }
-    cells.insert(cells.begin(), {label(of.front()), fmt::format("{:.1f}", 100 * prepare / whole)});
-    cells.push_back(fmt::format("{:.1f}", 100 * (whole - prepare - known) / whole));
+    cells.insert(cells.begin(), {label(of.front()), fixed_text(100 * prepare / whole, 1)});
+    cells.push_back(fixed_text(100 * (whole - prepare - known) / whole, 1));
     table.add(cells);
   }
   return {scene + ": where the time goes", table, ""};
 }
 
+std::vector<TableScene> projectile_scenes(const PlanContext& context) {
+  if (!context.own_scenes.empty()) return context.own_scenes;
+  for (const char* name : {"ls-dyna-projectile", "builtin"})
+    if (const std::optional<std::string> file = context.file_of(name)) return {{name, *file}};
+  throw ConfigError("projectile: there is neither ls-dyna-projectile nor the scene builtin");
+}
+
 }  // namespace
 
 ExperimentPlan projectile_plan(const PlanContext& context) {
-  std::string scene = "ls-dyna-projectile";
-  std::optional<std::string> file = context.file_of(scene);
-  if (!file) file = context.file_of(scene = "builtin");
-  if (!file) throw ConfigError("projectile: there is neither ls-dyna-projectile nor the scene builtin");
-  SceneRun run{scene, *file, {}, all_windows(step_count(*file), 5), {}};
   std::vector<std::string> pipelines = {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"};
   pipelines.insert(pipelines.end(), context.pipelines.begin(), context.pipelines.end());
-  for (const std::string& pipeline : pipelines) {
-    run.entrants.push_back(entrant(context.registry, "", pipeline, {"narrow-phase=cubic"}));
-    run.entrants.back().variant.clear();  // the same for all
+  ExperimentPlan plan{"projectile", context.full ? "full" : "quick", context.full ? 3 : 1, {}};
+  for (const TableScene& scene : projectile_scenes(context)) {
+    SceneRun run{scene.name, scene.file, {}, all_windows(step_count(scene.file), 5), {}};
+    if (!context.own_scenes.empty()) run.config = table_config(scene.file);
+    for (const std::string& pipeline : pipelines) {
+      run.entrants.push_back(entrant(context.registry, "", pipeline, {"narrow-phase=cubic"}));
+      run.entrants.back().variant.clear();  // the same for all
+    }
+    plan.runs.push_back(std::move(run));
   }
-  return {"projectile", context.full ? "full" : "quick", context.full ? 3 : 1, {run}};
+  return plan;
 }
 
 std::vector<TitledTable> pipeline_tables(const json& record) {

@@ -85,7 +85,7 @@ std::vector<Group> groups_of(const Rows& rows) {
   return groups;
 }
 
-std::string text_ms(double value) { return value > 0 ? fmt::format("{:.3g}", value) : "-"; }
+std::string text_ms(double value) { return value > 0 ? number_text(value) : "-"; }
 std::string text_ratio(double value) { return value > 0 ? ratio_text(value) : "-"; }
 std::string whole_number(double value) { return grouped(static_cast<std::uint64_t>(value)); }
 
@@ -105,7 +105,7 @@ TitledTable times(const std::vector<Group>& groups) {
   }
   return {"Whole steps, ms", table,
           std::string(kTitles) +
-              "mean over steps, without the first of each window, of medians over rounds,\nedits of the topology "
+              "mean over steps, without the first of each window, of medians over rounds, edits of the topology "
               "included; on boundary: triangles there; boundary: contacts of boundary features only\n"};
 }
 
@@ -143,7 +143,7 @@ TitledTable counts(const std::vector<Group>& groups) {
   }
   return {"Counts of a step", table,
           std::string(kTitles) +
-              "means over the same steps; pairs: of elements, that the broad phase or\nthe flood gave; orphans: "
+              "means over the same steps; pairs: of elements, that the broad phase or the flood gave; orphans: "
               "tests of the O-Set\n"};
 }
 

@@ -320,7 +320,7 @@ void compare_on_queries(const Registry& registry, const std::vector<KnownQueries
   }
 }
 
-std::string query_table(const QueryRecord& record) {
+std::string query_table(const QueryRecord& record, std::size_t width) {
   std::vector<std::string> header = {"scene",  "kind",  "queries",   "colliding", "narrow phase", "contacts",
                                      "missed", "extra", "undecided", "early",     "late",         "ns/query"};
   if (!record.filters.empty()) header.insert(header.begin() + 5, "tests");
@@ -354,7 +354,7 @@ std::string query_table(const QueryRecord& record) {
     for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee})
       if (const QueryGroupRecord sum = record.total(kind); sum.queries > 0) add(sum);
   }
-  return table.text();
+  return table.text(width);
 }
 
 }  // namespace volccd

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/experiments/tables/query_source.hpp>
 #include <volccd/pipelines/registry.hpp>
 #include <volccd/query/pairs.hpp>
@@ -75,6 +76,6 @@ void compare_on_queries(const Registry& registry, const std::vector<KnownQueries
                         const QueryComparisonConfig& config, QueryRecord& record);
 
 /// A table with one row for each group and narrow phase, and totals by kind if there are several groups.
-std::string query_table(const QueryRecord& record);
+std::string query_table(const QueryRecord& record, std::size_t width = kTextWidth);
 
 }  // namespace volccd

@@ -129,7 +129,7 @@ std::vector<TitledTable> scaling_tables(const json& record) {
     for (const json& variant : of.values("variant")) {
       const Rows at = of.with("variant", variant);
       points.add({table, scene, pipeline, grouped(static_cast<std::uint64_t>(at.median("elements"))),
-                  fmt::format("{:.2f}", at.median("moved_edges")), fmt::format("{:.3g}", at.median_ms(kStepTime)),
+                  fmt::format("{:.2f}", at.median("moved_edges")), number_text(at.median_ms(kStepTime)),
                   memory(static_cast<std::size_t>(at.median("workspace_bytes"))),
                   grouped(static_cast<std::uint64_t>(at.tests())),
                   grouped(static_cast<std::uint64_t>(at.sum("contacts")))});

@@ -163,7 +163,7 @@ class SubstepComparison {
 struct Spread {
   double median, min, max;
 
-  std::string range(const char* unit = "") const { return fmt::format("{:.3g}-{:.3g}{}", min, max, unit); }
+  std::string range(const char* unit = "") const { return fmt::format("{}-{}{}", number_text(min), number_text(max), unit); }
 };
 
 /// The spread of a value that is computed from the rows of one round.
@@ -206,7 +206,7 @@ std::vector<Group> groups_of(const Rows& rows) {
   return groups;
 }
 
-std::string number(double value) { return fmt::format("{:.3g}", value); }
+std::string number(double value) { return number_text(value); }
 std::string whole_number(double value) { return grouped(static_cast<std::uint64_t>(value + 0.5)); }
 
 /// A table with a rule between scenes. `cells` returns those of a group after its labels.

@@ -104,7 +104,7 @@ double test_cost(const Rows& rows) {
 }
 
 std::string milliseconds(const Rows& rows) {
-  return rows.empty() ? "-" : fmt::format("{:.3g}", rows.mean_ms(kStepAndEditTime));
+  return rows.empty() ? "-" : number_text(rows.mean_ms(kStepAndEditTime));
 }
 std::string ratio_or_dash(double value) { return value > 0 ? ratio_text(value) : "-"; }
 
@@ -140,7 +140,7 @@ std::vector<std::string> header_of(const std::string& table) {
   std::vector<std::string> header = {"scene", "elements", "steps", "NavCCD", "HashCCD", "VolCCD"};
   if (table == "c") header.push_back("VolCCD+");
   if (table == "b") header.push_back("2011");
-  for (const char* name : {"/Nav", "paper", "/Hash", "paper"}) header.push_back(name);
+  for (const char* name : {"/Nav", "paper, /Nav", "/Hash", "paper, /Hash"}) header.push_back(name);
   if (table == "c") header.insert(header.end(), {"+/Nav", "+/Hash"});
   return header;
 }
@@ -170,7 +170,7 @@ std::string note_of(const std::string& table, const std::string& model) {
   std::string note =
       "ms a step: mean over steps of medians over rounds, edits of the topology included; /Nav, /Hash: speed-up of "
       "VolCCD "
-      "over them,\nwith the paper's beside it";
+      "over them, with the paper's beside it";
   if (table == "c") note += "; +: of VolCCD+";
   if (table == "b") note += "; 2011: VolCCD-2011 with this test";
   if (model == "query") note += "; query: the last one of the simulation before each frame, with its separation";
@@ -198,20 +198,20 @@ TitledTable explanation(const Rows& rows, const std::string& table, const std::s
     const double culled = (c.nav.tests() - c.vol.tests()) * test_cost(c.nav);
     const double cheaper = c.vol.tests() * (test_cost(c.nav) - test_cost(c.vol));
     const auto share = [&](double part) {
-      return saved > 0 ? fmt::format("{:.0f} %", 100 * part / saved) : std::string("-");
+      return saved > 0 ? fixed_text(100 * part / saved, 0) + " %" : std::string("-");
     };
     text.add({scene, grouped(static_cast<std::uint64_t>(c.nav.tests())),
               grouped(static_cast<std::uint64_t>(c.vol.tests())), percent_text(c.share_of_tests(c.vol)),
-              paper == kPrintedRows.end() ? "-" : paper->second.ratio, fmt::format("{:.3g}", test_cost(c.nav)),
-              fmt::format("{:.3g}", test_cost(c.vol)), share(culled), share(cheaper), share(saved - culled - cheaper),
+              paper == kPrintedRows.end() ? "-" : paper->second.ratio, number_text(test_cost(c.nav)),
+              number_text(test_cost(c.vol)), share(culled), share(cheaper), share(saved - culled - cheaper),
               milliseconds(c.apart), milliseconds(c.filtered), same_contacts(c)});
   });
   return {fmt::format("What explains the speed-up of VolCCD in Table I-{}; {} motion, {} edges", table, model, edges),
           text,
           "tests: sum over steps; by culling: tests left out times NavCCD's cost of a test, by cost: tests performed "
-          "times the difference in cost,\n"
+          "times the difference in cost, "
           "both as shares of the time saved; other: what else VolCCD spends or saves; no adjacent: ms a step of NavCCD "
-          "on non-adjacent pairs\n"
+          "on non-adjacent pairs "
           "and an O-Set; filtered: of NavCCD with filters of its tests, which the paper's has not; same: whether all "
           "found NavCCD's contacts, bit for bit, or who did not\n"};
 }
@@ -229,7 +229,7 @@ TitledTable shares(const Rows& all, const std::string& table) {
           double sum = -less;
           for (const std::string& column : columns) sum += c.vol.sum(column);
           known += sum;
-          return fmt::format("{:.1f}", 100 * sum / whole);
+          return fixed_text(100 * sum / whole, 1);
         };
         std::vector<std::string> row = {scene,
                                         share({"bounds_s"}),
@@ -239,8 +239,8 @@ TitledTable shares(const Rows& all, const std::string& table) {
                                         share({"orphans_prepare_s", "orphans_run_s"}),
                                         share({"feature_filter_prepare_s", "feature_filter_run_s"}),
                                         share({"narrow_phase_prepare_s", "narrow_phase_run_s"})};
-        row.push_back(fmt::format("{:.1f}", 100 * (whole - known) / whole));
-        row.push_back(fmt::format("{:.3g}", c.vol.mean_ms({"topology_seconds"})));
+        row.push_back(fixed_text(100 * (whole - known) / whole, 1));
+        row.push_back(number_text(c.vol.mean_ms({"topology_seconds"})));
         const double pairs = c.vol.sum("element_pairs");
         row.push_back(pairs > 0 ? percent_text(1 - c.vol.sum("touching_pairs") / pairs) : "-");
         text.add(row);

@@ -1,7 +1,10 @@
 #include <volccd/experiments/tables/text_table.hpp>
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -39,7 +42,7 @@ std::size_t width_of(const std::vector<std::size_t>& widths) {
 
 /// Widths of the columns. Columns whose headers have blanks are made narrower until a row fits, or no column can be
 /// made narrower.
-std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string>>& rows) {
+std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string>>& rows, std::size_t width) {
   std::vector<std::size_t> widths, min;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     widths.resize(std::max(widths.size(), rows[r].size()));
@@ -49,7 +52,7 @@ std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string
       min[c] = std::max(min[c], r == 0 ? longest_word(rows[r][c]) : rows[r][c].size());
     }
   }
-  while (width_of(widths) > kTextWidth) {
+  while (width_of(widths) > width) {
     std::size_t widest = 0;
     for (std::size_t c = 1; c < widths.size(); ++c)
       if (widths[c] - min[c] > widths[widest] - min[widest]) widest = c;
@@ -61,8 +64,14 @@ std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string
 
 }  // namespace
 
-std::string TextTable::text() const {
-  const std::vector<std::size_t> widths = column_widths(rows_);
+TextTable::TextTable(std::vector<std::string> header, std::size_t labels) : rows_{std::move(header)}, labels_(labels) {
+  [[maybe_unused]] std::vector<std::string> names = rows_[0];
+  std::sort(names.begin(), names.end());
+  assert(std::adjacent_find(names.begin(), names.end()) == names.end());
+}
+
+std::string TextTable::text(std::size_t width) const {
+  const std::vector<std::size_t> widths = column_widths(rows_, width);
   std::string text;
   for (std::size_t c = 0; c < widths.size();) {
     std::vector<std::size_t> columns;
@@ -75,7 +84,7 @@ std::string TextTable::text() const {
     do {
       line += widths[c] + (columns.empty() ? 0 : kGap);
       columns.push_back(c++);
-    } while (c < widths.size() && line + kGap + widths[c] <= kTextWidth);
+    } while (c < widths.size() && line + kGap + widths[c] <= width);
     text += (text.empty() ? "" : "\n") + block(columns, widths);
   }
   return text;
@@ -206,14 +215,19 @@ std::string TextTable::latex() const {
   return text + "\\bottomrule\n\\end{tabular}\n";
 }
 
-std::string untitled_text(const TitledTable& table) { return table.table.text() + "\n" + wrapped(table.note); }
+std::string untitled_text(const TitledTable& table, std::size_t width) {
+  return table.table.text(width) + "\n" + wrapped(table.note, std::min(width, kTextWidth));
+}
 
-std::string render(const std::vector<TitledTable>& tables, TableFormat format) {
+std::string render(const std::vector<TitledTable>& tables, TableFormat format, std::size_t width) {
+  const std::size_t prose = std::min(width, kTextWidth);
   std::string text;
   for (const TitledTable& table : tables) {
     if (!text.empty()) text += "\n";
     switch (format) {
-      case TableFormat::text: text += wrapped(table.title) + "\n\n" + table.table.text() + wrapped(table.note); break;
+      case TableFormat::text: 
+        text += wrapped(table.title, prose) + "\n\n" + table.table.text(width) + wrapped(table.note, prose);
+        break;
       case TableFormat::markdown:
         text += "### " + table.title + "\n\n" + table.table.markdown() + "\n" + table.note;
         break;
@@ -228,6 +242,21 @@ std::string grouped(std::uint64_t n) {
   std::string text = std::to_string(n);
   for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, ",");
   return text;
+}
+
+std::string number_text(double value) {
+  if (std::abs(value) < 999.5) return fmt::format("{:.3g}", value);
+  if (!(std::abs(value) < 1e18)) return fmt::format("{:.3g}", value);  // also what is not finite
+  return (value < 0 ? "-" : "") + grouped(static_cast<std::uint64_t>(std::llround(std::abs(value))));
+}
+
+std::string counted(std::uint64_t n, std::string_view what) {
+  return fmt::format("{} {}{}", grouped(n), what, n == 1 ? "" : "s");
+}
+
+std::string fixed_text(double value, int digits) {
+  const std::string text = fmt::format("{:.{}f}", value, digits);
+  return text.starts_with('-') && text.find_first_of("123456789") == std::string::npos ? text.substr(1) : text;
 }
 
 std::string duration(double seconds) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <volccd/io/hdf5/detail/hdf5_file.hpp>
+#include <volccd/io/sequence/detail/importable.hpp>
 
 namespace volccd {
 
@@ -73,6 +74,9 @@ std::vector<QueryGroup> read_query_file(const std::string& name) {
   return groups;
 }
 
-bool is_sequence_file(const std::string& file) { return Hdf5File(file).has("VTKHDF"); }
+bool is_sequence_file(const std::string& file) {
+  detail::refuse_importable(file);
+  return Hdf5File(file).has("VTKHDF");
+}
 
 }  // namespace volccd

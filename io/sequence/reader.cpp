@@ -8,6 +8,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/io/sequence/detail/cell_reader.hpp>
+#include <volccd/io/sequence/detail/importable.hpp>
 #include <volccd/io/sequence/detail/layout.hpp>
 #include <volccd/io/sequence/detail/point_order.hpp>
 
@@ -60,7 +61,10 @@ struct SequenceReader::Impl {
   std::vector<double> numbers;
 };
 
-SequenceReader::SequenceReader(const std::string& file) : impl_(std::make_unique<Impl>(file)) {}
+SequenceReader::SequenceReader(const std::string& file) {
+  detail::refuse_importable(file);
+  impl_ = std::make_unique<Impl>(file);
+}
 SequenceReader::SequenceReader(SequenceReader&&) noexcept = default;
 SequenceReader& SequenceReader::operator=(SequenceReader&&) noexcept = default;
 SequenceReader::~SequenceReader() = default;

@@ -1,6 +1,9 @@
 #include "result.hpp"
 
 #include <cstddef>
+#include <cstring>
+#include <memory>
+#include <utility>
 
 #include "arrays.hpp"
 
@@ -87,7 +90,8 @@ py::dict statistics_of(Result& result) {
 }
 
 std::string text_of(const Result& result) {
-  return "<volccd.Result: " + std::to_string(result.contacts.size()) + " contacts" +
+  return "<volccd.Result: " + std::to_string(result.contacts.size()) +
+         (result.contacts.size() == 1 ? " contact" : " contacts") +
          (result.contacts.empty() ? "" : ", the earliest at " + std::to_string(result.statistics.earliest_toi)) + ">";
 }
 
@@ -135,8 +139,40 @@ py::dict statistics_dict(const Statistics& s) {
   return d;
 }
 
+/// The rows of an array whose dtype has the size of T, as T.
+template <class T>
+std::vector<T> rows_of(const py::array& array, const char* name) {
+  const bool fits = array.ndim() == 1 && array.itemsize() == static_cast<py::ssize_t>(sizeof(T)) &&
+                    (array.flags() & py::array::c_style) != 0;
+  if (!fits) wrong_shape(name, "rows of a result");
+  std::vector<T> rows(static_cast<std::size_t>(array.size()));
+  if (!rows.empty()) std::memcpy(static_cast<void*>(rows.data()), array.data(), rows.size() * sizeof(T));
+  return rows;
+}
+
+/// A result with these arrays, as a pickle has them; `_results.py` has given them their dtypes.
+std::shared_ptr<Result> result_of(const py::array& contacts, const py::array& ends, const py::array& left_out,
+                                  const py::array& overlaps, const py::dict& statistics) {
+  StepResult result;
+  result.contacts = rows_of<Contact>(contacts, "contacts");
+  result.ends = rows_of<ContactEnd>(ends, "ends");
+  result.left_out = rows_of<Contact>(left_out, "left_out");
+  result.initial_overlaps = rows_of<ElementPair>(overlaps, "initial_overlaps");
+  for (std::vector<Contact>* const list : {&result.contacts, &result.left_out})
+    for (Contact& contact : *list) {  // slots of a topology that is not there
+      contact.features = {kNone, kNone};
+      contact.elements = {kNone, kNone};
+    }
+  result.statistics.earliest_toi = statistics["earliest_toi"].cast<double>();
+  const auto made = std::make_shared<Result>(std::move(result));
+  made->statistics_dict = statistics;
+  return made;
+}
+
 void bind_results(py::module_& module) {
   module.attr("contact_dtype") = contacts_dtype();
+  module.attr("end_dtype") = ends_dtype();
+  module.def("result_of", &result_of);
   module.attr("pair_dtype") = pair_dtype();
   py::class_<Result, std::shared_ptr<Result>>(
       module, "Result", "What a step gave. Its arrays are views of the library's memory, which they keep alive.")

@@ -3,10 +3,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/suggest.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 
@@ -43,9 +45,10 @@ py::dict scene_names() {
 void check_name(const std::string& name) {
   const py::dict names = scene_names();
   if (names.contains(py::str(name))) return;
-  std::string known;
-  for (const auto& row : names) known += (known.empty() ? "" : ", ") + row.first.cast<std::string>();
-  throw ConfigError(fmt::format("no scene '{}'; there are {}", name, known));
+  std::vector<std::string> known;
+  for (const auto& row : names) known.push_back(row.first.cast<std::string>());
+  throw ConfigError(
+      fmt::format("no scene '{}'; there are {}{}", name, fmt::join(known, ", "), did_you_mean(name, known)));
 }
 
 /// Whether the following line may take long.

@@ -8,18 +8,19 @@ import os
 import re
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import pytest
 
 import volccd
-from volccd import _detect, _meshes, _records, _sequences, _stages
+from volccd import _arguments, _detect, _meshes, _records, _results, _sequences, _stages
 
 ROOT = Path(__file__).resolve().parents[2]
 pytestmark = pytest.mark.usefixtures("clean_registry")
 
 
-@pytest.mark.parametrize("module", [volccd, _detect, _meshes, _records, _sequences, _stages])
+@pytest.mark.parametrize("module", [volccd, _arguments, _detect, _meshes, _records, _results, _sequences, _stages])
 def test_docstrings(module):
     assert doctest.testmod(module).failed == 0
 
@@ -61,13 +62,15 @@ def test_readme():
 
 
 def test_stages_of_the_page_keep_their_promises():
-    """`check` of the program passes for the classes of the documentation."""
+    """`check` of the program passes for the classes of the documentation, without a warning of NumPy."""
     names = {"np": __import__("numpy"), "volccd": volccd}
     source = "\n".join(blocks("python"))
     for definition in re.findall(r"^@volccd\.register\nclass .*?(?=\n\n\S|\Z)", source, re.DOTALL | re.MULTILINE):
         exec(definition, names)
-    for stage in ("python-spheres", "python-feature-boxes"):
-        assert volccd.main(["check", stage, "--trials", "200"]) == 0, stage
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for stage in ("python-spheres", "python-feature-boxes"):
+            assert volccd.main(["check", stage, "--trials", "200"]) == 0, stage
 
 
 def test_script_of_the_page(tmp_path):
@@ -76,6 +79,9 @@ def test_script_of_the_page(tmp_path):
     file.write_text(script)
     listed = subprocess.run([sys.executable, "-B", file, "stages"], text=True, capture_output=True)
     assert listed.returncode == 0 and "boxes" in listed.stdout, listed.stderr
+    checked = subprocess.run([sys.executable, "-B", "-W", "error", file, "check", "boxes", "--trials", "200"], text=True,
+                             capture_output=True)
+    assert (checked.returncode, checked.stderr) == (0, ""), checked.stdout + checked.stderr
 
 
 def test_notebook():

@@ -18,7 +18,8 @@ In one line
 >>> first["vertices"].tolist()                                                # vertex 3, triangle 4 5 6
 [3, 4, 5, 6]
 
-Contacts are a structured array: kind (volccd.VF, volccd.EE), vertices, toi, normal, point, weights, at_start.
+Contacts are a structured array: kind (volccd.VF, volccd.EE), vertices, toi, normal, point, weights, at_start. A result can
+also be iterated over, pickled, and turned into a frame of pandas or a mesh of meshio or PyVista.
 
 Step after step
 ---------------
@@ -59,6 +60,7 @@ except ImportError as problem:
 from ._detect import Detector, detect
 from ._meshes import CELL_TYPES, vtk_cells
 from ._records import read_record, records
+from ._results import Contact
 from ._sequences import Sequence, Verification, scene, scenes, verify
 from ._stages import (CONTACT_FREE, DISJOINT, KEEP, ElementCulling, FeatureFilter, NarrowPhase, Stage, Step,
                       add_pipeline, main, pipelines, register, stages, unregister)
@@ -66,7 +68,7 @@ from ._stages import (CONTACT_FREE, DISJOINT, KEEP, ElementCulling, FeatureFilte
 VF, EE = 0, 1  # kinds of contacts: vertex-face, edge-edge
 
 __all__ = [
-    "detect", "Detector", "Result", "vtk_cells", "CELL_TYPES", "VF", "EE", "contact_dtype", "pair_dtype",
+    "detect", "Detector", "Result", "Contact", "vtk_cells", "CELL_TYPES", "VF", "EE", "contact_dtype", "pair_dtype",
     "Sequence", "scene", "scenes", "verify", "Verification",
     "Stage", "Step", "ElementCulling", "FeatureFilter", "NarrowPhase", "KEEP", "DISJOINT", "CONTACT_FREE",
     "register", "unregister", "add_pipeline", "stages", "pipelines", "main",

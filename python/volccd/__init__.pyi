@@ -1,8 +1,8 @@
 # Types of the package; `help(volccd)` and docs/python.md explain it. python/tests/test_docs.py holds it to the code.
 from os import PathLike
 from types import SimpleNamespace
-from typing import Any, ClassVar, Dict, Iterable, Iterator, List, Literal, Mapping, Optional
-from typing import Sequence as _Sequence, Tuple, Type, TypeVar, Union
+from typing import Any, ClassVar, Dict, Iterable, Iterator, List, Literal, Mapping, NamedTuple, Optional
+from typing import Sequence as _Sequence, SupportsIndex, Tuple, Type, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,8 @@ pair_dtype: np.dtype[np.void]
 
 _Points = Any  # npt.ArrayLike (n, 3), meshio.Mesh or pyvista.UnstructuredGrid
 _Cells = Any  # npt.ArrayLike (m, k), pairs, dict, blocks of meshio, vtk_cells()
-_Settings = Union[str, _Sequence[str]]
+_Setting = Union[str, int, float, bool, None]
+_Settings = Union[str, _Sequence[str], Mapping[str, Union[_Setting, _Sequence[_Setting]]]]
 _Pairs = Literal["all", "inter", "intra"]
 _Edges = Literal["triangulated", "polytope"]
 _Path = Union[str, PathLike[str]]
@@ -48,6 +49,21 @@ class Result:
     @property
     def earliest(self) -> float: ...
     def __len__(self) -> int: ...
+    def __iter__(self) -> Iterator[Contact]: ...
+    def __getitem__(self, index: SupportsIndex) -> Contact: ...
+    def to_frame(self) -> Any: ...  # pandas.DataFrame
+    def to_meshio(self) -> Any: ...  # meshio.Mesh
+    def to_pyvista(self) -> Any: ...  # pyvista.PolyData
+
+class Contact(NamedTuple):
+    kind: int
+    vertices: Tuple[int, ...]
+    toi: float
+    normal: npt.NDArray[np.float64]
+    point: npt.NDArray[np.float64]
+    weights: npt.NDArray[np.float64]
+    at_start: bool
+    gap: float
 
 def vtk_cells(connectivity: npt.ArrayLike, offsets: npt.ArrayLike, types: npt.ArrayLike) -> Dict[str, Any]: ...
 def detect(points0: _Points, points1: _Points, cells: _Cells = ..., pipeline: str = ..., separation: float = ..., *,
@@ -112,6 +128,7 @@ def scene(name: str, *, simulate: bool = ..., threads: int = ..., **options: Any
 class Verification:
     steps: List[Dict[str, Any]]
     skipped: List[str]
+    def __init__(self, steps: List[Dict[str, Any]], skipped: List[str]) -> None: ...
     @property
     def clean(self) -> bool: ...
     @property

@@ -5,17 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from . import _core, _meshes
+from ._arguments import settings_list, suggesting
 
 
 def _options(pipeline, settings, threads, separation, pairs, exclude, lists="off"):
-    if isinstance(settings, str):
-        settings = [settings]
     if not 0 <= threads < 2**32 or threads != int(threads):
         raise _core.ConfigError(f"threads: {threads} is not a number of threads; 0: as many as the machine has")
     exclude = _meshes.numbers_of(list(exclude), "exclude", np.int32)
     if exclude.size and (exclude.ndim != 2 or exclude.shape[1] != 2):
         raise _core.InputError(f"exclude: has the shape {exclude.shape} instead of (n, 2), pairs of objects")
-    return {"pipeline": pipeline, "settings": list(settings), "threads": int(threads), "separation": float(separation),
+    return {"pipeline": pipeline, "settings": settings_list(settings), "threads": int(threads), "separation": float(separation),
             "pairs": pairs, "exclude": [(int(a), int(b)) for a, b in exclude],
             "lists": lists if isinstance(lists, str) else tuple(float(x) for x in lists)}
 
@@ -30,10 +29,12 @@ class Detector:
     vertices : int, optional
         How many points a step has. Default: the largest vertex number of the cells, plus 1.
     objects : int array (n,), optional
-        The object that each element belongs to; default: 0. Wherever integers are expected, floats that are exact
+        The object that each element belongs to; default: those of `cells` if it is a dict that has them, as
+        `Sequence.cells` gives them, else 0. Wherever integers are expected, floats that are exact
         integers of that range count, as files have them; everything else raises InputError.
     ids : int array (n,), optional
-        Distinct ids of the elements, by which `edit` names them; default: 0, 1, 2, ...
+        Distinct ids of the elements, by which `edit` names them; default: those of `cells`, as for objects, else 0, 1,
+        2, ...
     thickness : float or float array (n,), optional
         Thickens triangles and quads into solids, in the unit of the points. Vertex v of a contact then stems from point
         v // 3, and contacts between features that stem from one point are in `Result.left_out`.
@@ -62,6 +63,7 @@ class Detector:
     3 25
     """
 
+    @suggesting
     def __init__(self, cells, vertices=None, *, objects=None, ids=None, thickness=None, pipeline="VolCCD+",
                  separation=0.0, threads=0, settings=(), pairs="all", exclude=(), edges="triangulated", lists="off"):
         if hasattr(cells, "points"):
@@ -75,6 +77,7 @@ class Detector:
                                     _options(pipeline, settings, threads, separation, pairs, exclude, lists))
         self._next_id = int(arrays["ids"].max()) + 1 if n else 0
 
+    @suggesting
     def step(self, points0, points1, middle=None, *, first=False, initial_overlaps=False, t_max=1.0, ends=False):
         """Contacts of the motion from `points0` (t = 0) to `points1` (t = 1), float (vertices, 3) each.
 
@@ -98,6 +101,7 @@ class Detector:
         middle = None if middle is None else _meshes.points_of(middle, "middle")
         return self._core.step(points0, points1, middle, first, initial_overlaps, t_max, ends)
 
+    @suggesting
     def edit(self, remove=(), add=(), *, new_vertices=0, objects=None, ids=None, thickness=None):
         """Changes the mesh between two steps; stages follow the change instead of starting anew.
 
@@ -150,6 +154,7 @@ class Detector:
         return f"<volccd.Detector: {self.element_count} elements, {self.vertex_count} points, {self.facts['pipeline']}>"
 
 
+@suggesting
 def detect(points0, points1, cells=None, pipeline="VolCCD+", separation=0.0, *, middle=None, objects=None, ids=None,
            thickness=None, threads=0, first=False, initial_overlaps=False, t_max=1.0, pairs="all", exclude=(),
            edges="triangulated", settings=()):
@@ -193,14 +198,16 @@ def detect(points0, points1, cells=None, pipeline="VolCCD+", separation=0.0, *, 
         Between which contacts are not looked for; (a, a): within object a.
     edges : "triangulated", "polytope"
         With the diagonals of faces (complete), or without (the paper's counts).
-    settings : str or list of str
-        Changes of the pipeline, as `--set` of the program: "csat.axis=optimal", "element-culling=csat".
+    settings : str, list of str, or dict
+        Changes of the pipeline, as `--set` of the program: "csat.axis=optimal", "element-culling=csat"; or as a dict:
+        {"csat.axis": "optimal", "feature-filter": ["feature-kdop", "coplanarity"], "flood": None}.
 
     Returns
     -------
     Result
         `.contacts`, a structured array with fields kind (0: vertex-face, 1: edge-edge), vertices (4), toi (0 .. 1 of
-        the step), normal (3), point (3), weights (4), at_start; `.statistics`, a dict; `.initial_overlaps`.
+        the step), normal (3), point (3), weights (4), at_start; `.statistics`, a dict; `.initial_overlaps`. It is also a
+        sequence of `volccd.Contact`, and has `.to_frame()`, `.to_meshio()`, `.to_pyvista()`.
 
     Examples
     --------

@@ -188,6 +188,9 @@ def cell_arrays(cells, objects=None, ids=None, first_id=0):
     cells = getattr(cells, "cells", cells) if hasattr(cells, "points") else cells
     arrays = _arrays_of(cells)
     n = len(arrays["types"])
+    if isinstance(cells, dict) and "connectivity" in cells:  # as Sequence.cells has them
+        objects = cells.get("objects") if objects is None else objects
+        ids = cells.get("ids") if ids is None else ids
     arrays["objects"] = numbers_of(0 if objects is None else objects, "objects", np.int32, (n,))
     arrays["ids"] = numbers_of(np.arange(first_id, first_id + n) if ids is None else ids, "ids", np.int64, (n,))
     return arrays

@@ -6,6 +6,7 @@ import operator
 import os
 
 from . import _core
+from ._arguments import settings_list, suggesting
 from ._detect import _options
 
 
@@ -29,6 +30,7 @@ class Sequence:
     Points are by ascending id, as `point_ids` has them; contacts name points by their row there.
     """
 
+    @suggesting
     def __init__(self, path, *, shells="surface", motion="linear", edges="triangulated", parts="stored"):
         self._core = _core.Sequence(os.fspath(path),
                                     {"shells": shells, "motion": motion, "edges": edges, "parts": parts})
@@ -89,13 +91,14 @@ class Sequence:
 
     def cells(self, step):
         """The cells of a frame: dict of connectivity, offsets, types, objects, ids, face_offsets, faces, which `detect`
-        and `Detector` accept as `cells`."""
+        and `Detector` accept as `cells`, with its objects and ids."""
         return self._core.cells(self._step(step))
 
     def _step(self, step):
         step = operator.index(step)
         return step + self.step_count if step < 0 else step
 
+    @suggesting
     def detect(self, steps=None, *, pipeline="VolCCD+", separation=0.0, threads=0, first=False, initial_overlaps=False,
                t_max=1.0, pairs="all", exclude=(), settings=(), shell_neighbours=False):
         """Runs the pipeline on steps and yields (step, Result) for each. The pipeline keeps its memory from one step to
@@ -156,9 +159,11 @@ class Verification:
 
     def __repr__(self):
         what = "clean: no difference" if self.clean else "DIFFERENCES: " + (", ".join(self.differing) or "FCL")
-        return f"<volccd.Verification of {len(self.steps)} steps: {what}>"
+        count = f"{len(self.steps)} step{'' if len(self.steps) == 1 else 's'}"
+        return f"<volccd.Verification of {count}: {what}>"
 
 
+@suggesting
 def verify(sequence, steps=None, *, settings=(), threads=0, separation=0.0, fcl=True, approximate=False,
            brute_force_limit=100000):
     """Runs every registered pipeline on a sequence, those with stages in Python included, and compares the contacts bit
@@ -168,7 +173,7 @@ def verify(sequence, steps=None, *, settings=(), threads=0, separation=0.0, fcl=
     sequence : Sequence, or the path of one
     steps : iterable of int, optional
         Default: all.
-    settings : list of str
+    settings : str, list of str, or dict
         One more pipeline: VolCCD+ with these settings ("element-culling=my-stage").
     fcl : bool
         Ask FCL at t = 1/4, 1/2, 3/4 and 1 of each step.
@@ -179,9 +184,7 @@ def verify(sequence, steps=None, *, settings=(), threads=0, separation=0.0, fcl=
     """
     if not isinstance(sequence, Sequence):
         sequence = Sequence(sequence)
-    if isinstance(settings, str):
-        settings = [settings]
-    checker = _core.Verification(list(settings), threads, separation, fcl, approximate, brute_force_limit,
+    checker = _core.Verification(settings_list(settings), threads, separation, fcl, approximate, brute_force_limit,
                                  sequence.shells == "solid")
     verdicts = []
     for step in range(len(sequence)) if steps is None else steps:

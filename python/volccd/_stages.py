@@ -7,6 +7,7 @@ import types
 import numpy as np
 
 from . import _core
+from ._arguments import near, settings_list, suggesting
 
 KEEP, DISJOINT, CONTACT_FREE = 1, 0, 2
 
@@ -107,7 +108,8 @@ class Stage:
         rows = {name: default for name, default, _ in cls._option_rows()}
         for name, text in values.items():
             if name not in rows:
-                raise _core.ConfigError(f"no option '{name}' of '{cls.name}'; there are {', '.join(rows) or 'none'}")
+                raise _core.ConfigError(f"no option '{name}' of '{cls.name}'; there are {', '.join(rows) or 'none'}"
+                                        + near(name, rows))
             rows[name] = _parsed(cls.name, name, text, type(rows[name]))
         for name, value in rows.items():
             setattr(stage, name, value)
@@ -213,13 +215,14 @@ def register(stage):
     return stage
 
 
+@suggesting
 def add_pipeline(name, base="VolCCD+", settings=(), description=""):
     """Registers a pipeline: `base` with the changes in `settings`. It runs in `verify`, and in the tables of
     `main(["experiment", "run", ..., "--pipelines", name])`. One of the same name that was added before is replaced.
 
     >>> volccd.add_pipeline("Boxes", settings=["element-culling=python-boxes,csat"])  # doctest: +SKIP
     """
-    settings = [settings] if isinstance(settings, str) else list(settings)
+    settings = settings_list(settings)
     row = (name, base, settings, description or f"{base} with {' '.join(settings)}")
     _apply(_registered, {**_pipelines, name: row})
 

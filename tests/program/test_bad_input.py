@@ -34,6 +34,22 @@ class BadInput(ProgramTest):
         self.bad("experiment", "run", "nothing", says="projectile")
         self.assertEqual([name for name in os.listdir(self.folder.name) if "tmp" in name], [])
 
+    def test_files_of_other_programs_are_for_the_importer(self):
+        for name, source, output in (
+                ("x.vtu", "x.vtu", "x"), ("x.MSH", "x.MSH", "x"), ("x.inp", "x.inp", "x"), ("x.pvd", "x.pvd", "x"),
+                ("x.xdmf", "x.xdmf", "x"), ("x.e", "x.e", "x"), ("x.exo", "x.exo", "x"), ("x.k", "d3plot", "x"),
+                ("d3plot", "d3plot", "d3plot"), ("x y.vtu", "'x y.vtu'", "'x y")):
+            file = self.path(name)
+            with open(file, "w", encoding="ascii") as target:
+                target.write("something")
+            source = source.replace("'", "")
+            words = f"'{self.path(source)}' -o 'x y.vtkhdf'" if " " in source else f"{self.path(source)} -o {output}.vtkhdf"
+            for command in (["detect"], ["info"], ["verify"], ["queries"]):
+                self.bad(*command, file, says="is no sequence (VTKHDF); this makes one of it: volccd-import " + words)
+        os.rename(self.sequence, self.path("named.vtu"))
+        self.assertEqual(run("info", self.path("named.vtu")).returncode, 0)
+        self.bad("info", self.path("absent.vtu"), says="No such file")
+
     def test_damaged_files_leave_no_messages_of_hdf5(self):
         """If the address in a continuation message of an object header is wrong, HDF5 leaks memory of its own."""
         with open(self.sequence, "rb") as file:

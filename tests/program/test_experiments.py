@@ -55,6 +55,44 @@ class Experiments(ProgramTest):
         self.bad("experiment", "table", "projectile", "--results", self.path("absent"), says="projectile.json")
         self.bad("experiment", "compare", self.path("results"), self.path("absent"), says="absent")
 
+    def test_own_scenes_steps_and_rounds(self):
+        folder, other = self.path("mine"), self.path("other.vtkhdf")
+        self.good("scene", "generate", "builtin", "--elements", "200", "--steps", "5", "-o", other)
+        scenes = ["--scenes", f"{self.sequence},{other}", "-o", folder]
+        self.good("experiment", "run", "projectile", *scenes, "--steps", "1:3", "--rounds", "2")
+        with open(self.path("mine/projectile.json"), encoding="utf-8") as file:
+            record = json.load(file)
+        name = os.path.basename(self.sequence)
+        self.assertEqual({(row["scene"], row["motion"], row["round"]) for row in record["rows"]},
+                         {(scene, motion, of) for scene in (name.split(".")[0], "other") for motion in (1, 2) for of in (0, 1)})
+        self.assertEqual(record["provenance"]["options"], f"--scenes {name},other.vtkhdf --steps 1:3 --rounds 2")
+        self.assertNotIn(self.folder.name, json.dumps(record))  # the record has no path of this machine
+        table = self.good("experiment", "table", "projectile", "--results", folder)
+        self.assertIn("other", table)
+        for kind in ("table1", "plus", "ablation", "boundary"):  # ablation: two pipelines, which takes less time
+            extra = {"ablation": ["--pipelines", "VolCCD,VolCCD+"], "table1": ["--rounds", "2"]}.get(kind, [])
+            self.good("experiment", "run", kind, "--scenes", other, "--steps", "2", "-o", folder, *extra)
+            with open(self.path(f"mine/{kind}.json"), encoding="utf-8") as file:
+                rows = json.load(file)["rows"]
+            self.assertEqual({(row["scene"], row["motion"]) for row in rows}, {("other", 2)}, kind)
+            if kind == "table1":
+                self.assertEqual({(row["table"], row["round"]) for row in rows}, {(table, of) for table in "abc" for of in (0, 1)})
+        os.mkdir(self.path("sub"))
+        shutil.copy(other, self.path("sub/other.vtkhdf"))
+        self.good("experiment", "run", "projectile", "--scenes", f"{other},{self.path('sub/other.vtkhdf')}", "--steps", "2",
+                  "-o", folder)
+        with open(self.path("mine/projectile.json"), encoding="utf-8") as file:
+            self.assertEqual({row["scene"] for row in json.load(file)["rows"]}, {other, self.path("sub/other.vtkhdf")})
+        for names, options, says in (
+                (["projectile"], ["--quick", "-o", folder], "is the record of a run with --scenes; give another folder"),
+                (["culling"], scenes, "culling takes no --scenes: its scenes are fixed; projectile, table1"),
+                (["all"], scenes, "all takes no --scenes"), (["scenes"], ["--rounds", "2"], "scenes takes no --rounds"),
+                (["peers"], ["--steps", "1"], "peers takes no --steps"), (["projectile"], ["--rounds", "0"], "--rounds"),
+                (["projectile"], ["--scenes", f"{other},{other}"], "is there twice"),
+                (["projectile"], [*scenes, "--steps", "4:9"], "--steps: 4:9 is not within the steps 0:"),
+                (["projectile"], ["--scenes", self.path("absent.vtkhdf")], "absent.vtkhdf")):
+            self.bad("experiment", "run", *names, *options, says=says)
+
     def test_a_quick_run_keeps_the_record_of_a_full_one(self):
         env = {"VOLCCD_DATA": self.path("absent"), "VOLCCD_CACHE": self.path("cache")}
         folder = self.path("full")

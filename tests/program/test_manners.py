@@ -1,11 +1,15 @@
 """Output for users: lines of 100 columns, suggestions of names, --quiet, help, progress, and no simulation that was
 not asked for."""
 
+import fcntl
+import json
 import os
 import pty
 import re
 import shutil
+import struct
 import subprocess
+import termios
 import unittest
 
 from program_support import SOURCE, VOLCCD, ProgramTest, run
@@ -41,6 +45,26 @@ def on_a_terminal(*arguments):
     return code, screen.decode()
 
 
+def output_of_a_terminal(columns, *arguments):
+    """The lines on stdout if it is a terminal of that many columns."""
+    terminal, tty = pty.openpty()
+    fcntl.ioctl(tty, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
+    with subprocess.Popen([VOLCCD, *arguments], stdout=tty, stderr=subprocess.DEVNULL) as process:
+        os.close(tty)
+        screen = b""
+        while True:
+            try:
+                data = os.read(terminal, 4096)
+            except OSError:
+                break
+            if not data:
+                break
+            screen += data
+        process.wait()
+    os.close(terminal)
+    return screen.decode().replace("\r", "").splitlines()
+
+
 class Manners(ProgramTest):
     def fits(self, text, what):
         self.assertTrue(text, what)
@@ -68,6 +92,54 @@ class Manners(ProgramTest):
         for name in ("octopus2-105k-deformed.vtkhdf", "a" * 60 + ".vtkhdf"):
             os.symlink(self.sequence, self.path(name))
             self.fits(self.good("detect", self.path(name)).split("\n", 1)[1], name)
+
+    def test_tables_take_the_width_of_the_terminal(self):
+        shown = {columns: output_of_a_terminal(columns, "detect", self.sequence, "--overlaps", os.devnull)
+                 for columns in (60, 100, 180)}
+        headers = {columns: [line for line in lines if line.startswith("step ")] for columns, lines in shown.items()}
+        self.assertEqual([len(headers[columns]) for columns in (60, 180)], [2, 1])  # 60 columns take two tables
+        self.assertGreater(len(headers[180][0]), 100)
+        self.assertLessEqual(max(len(line) for line in shown[60] if line.startswith("---")), 60)
+        table = output_of_a_terminal(180, "experiment", "table", "table1", "--results", os.path.join(SOURCE, "results"))
+        self.assertGreater(max(map(len, table)), 105)
+        target = self.path("table1.txt")
+        self.good("experiment", "table", "table1", "--results", os.path.join(SOURCE, "results"), "-o", target)
+        with open(target, encoding="utf-8") as file:  # a file is the same whatever terminal there is
+            self.fits(file.read(), target)
+
+    def test_columns_have_names_of_their_own_and_numbers_no_exponents(self):
+        for name in ("table1", "culling", "ablation", "scaling", "operations", "peers", "plus", "projectile", "boundary",
+                     "inversion", "feature-sets"):
+            shown = self.good("experiment", "table", name, "--results", os.path.join(SOURCE, "results"), "--json")
+            for table in json.loads(shown)["tables"]:
+                self.assertEqual(len(set(table["columns"])), len(table["columns"]), (name, table["columns"]))
+                for row in table["rows"]:
+                    for cell in row:
+                        if cell not in ("8.24E+09", "1.6E+10", "2.43E+10", "9.8E+07", "3.8E+08", "4.76E+08", "2.3E+07", "1.2E+08",
+                                        "1.41E+08"):  # as the paper prints them
+                            self.assertNotRegex(cell, r"[eE]\+|^-0(\.0+)?( |$)", (name, row))
+
+    def test_without_arguments_the_commands_are_listed(self):
+        done = run()
+        self.assertEqual((done.returncode, done.stderr), (2, ""))
+        self.assertIn("Usage: volccd COMMAND", done.stdout)
+        self.assertRegex(done.stdout, r"\n  detect +contacts of the steps")
+        self.assertLess(done.stdout.count("\n"), 25)
+        self.fits(done.stdout, "volccd")
+
+    def test_numbers_that_are_too_small(self):
+        for command in ("detect", "verify"):
+            for value, says in (("-1", "--separation: must be at least 0, and is -1\n"), ("nan", "at least 0, and is nan\n"),
+                                ("inf", "must be at least 0 and finite, and is inf\n"), ("x", "'x' is not a number")):
+                self.bad(command, self.sequence, f"--separation={value}", says=says)
+        self.bad("detect", says="volccd: FILE is required")
+
+    def test_a_cache_that_cannot_be_written_to(self):
+        with open(self.path("no-folder"), "w", encoding="ascii"):
+            pass
+        for scene in ("builtin", "liver-quick"):
+            self.bad("detect", scene, env={"VOLCCD_CACHE": self.path("no-folder/cache")}, says="scenes are kept in the folder that "
+                     "VOLCCD_CACHE names: let it name another")
 
     def test_tables_of_experiments_fit(self):
         folder = os.path.join(SOURCE, "results")
@@ -195,7 +267,8 @@ class Manners(ProgramTest):
 
     def test_all_cores_are_the_default(self):
         cores = len(os.sched_getaffinity(0))
-        self.assertIn(f" {cores} thread(s)", self.good("detect", self.sequence))
+        self.assertIn(f" {cores} thread{'' if cores == 1 else 's'}\n", self.good("detect", self.sequence))
+        self.assertIn(" 1 thread\n", self.good("detect", self.sequence, "--threads", "1"))
         for path in commands():
             shown = self.good(*path, "--help")
             if path != ("experiment", "run") and (threads := re.search(r"--threads N:.*", shown)):

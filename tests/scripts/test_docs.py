@@ -45,6 +45,21 @@ class Docs(unittest.TestCase):
             listings = re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
             self.assertEqual(listings, [(ROOT / "examples/custom_culling" / name).read_text()], name)
 
+    def test_packages_of_adding_a_stage_are_those_that_cmake_asks_for(self):
+        config = (ROOT / "cmake/volccdConfig.cmake.in").read_text()
+        known = {"Eigen3": "libeigen3-dev", "fmt": "libfmt-dev", "TBB": "libtbb-dev", "hwy": "libhwy-dev", "GMP": "libgmp-dev",
+                 "HDF5": "libhdf5-dev"}
+        asked = {known[name] for name in re.findall(r"find_dependency\((\w+)", config)}
+        asked |= set(re.findall(r"\w:(\w+-dev)\b", config)) | set(re.findall(r"\(Debian: ([\w.-]+)\)", config))
+        page = (ROOT / "docs/adding_a_stage.md").read_text()
+        command = re.search(r"apt-get install ((?:.*\\\n)*.*)", page)[1].replace("\\", "").split()
+        self.assertEqual(set(command), asked | {"g++", "cmake"})
+
+    def test_third_party_notices_name_what_is_bundled(self):
+        notices = (ROOT / "THIRD_PARTY").read_text()
+        for name in ("three.js", "CLI11", "nlohmann/json", "pybind11", "Highway"):
+            self.assertIn(f"\n{name}: ", notices)
+
     def test_listings_of_into_a_solver_are_parts_of_the_example(self):
         """Whether the text consists of consecutive whole lines of the files, perhaps with less indentation."""
         page = (ROOT / "docs/into_a_solver.md").read_text()

@@ -15,69 +15,27 @@ CELLS = {"triangle": (5, 3, 2), "quad": (9, 4, 2), "tetra": (10, 4, 3), "hexahed
          "pyramid": (14, 5, 3)}
 NODES = {number: nodes for number, nodes, _ in CELLS.values()}
 LEFT_OUT = re.compile(r"vertex|line\d*|VTK_LAGRANGE_CURVE")
+# Elements of higher order are named by the number of nodes, or by VTK; their corners come first.
+HIGHER = re.compile(r"(triangle|quad|tetra|hexahedron|wedge|pyramid)(\d+)|VTK_LAGRANGE_(TRIANGLE|QUADRILATERAL|TETRAHEDRON|"
+                    r"HEXAHEDRON|WEDGE|PYRAMID)")
+LAGRANGE = {"QUADRILATERAL": "quad", "TETRAHEDRON": "tetra"}
+
+
+def linear_type(name):
+    """The type of the element with the corners of a named one: tetra for tetra10 and for tetra; None for others."""
+    match = HIGHER.fullmatch(name)
+    if match is None:
+        return name if name in CELLS else None
+    return match.group(1) or LAGRANGE.get(match.group(3), match.group(3).lower())
+
+# Names of arrays of objects, in lower case; earlier names are preferred.
+OBJECT_IDS = ("partid", "part_id", "part", "gmsh:physical", "nastran:ref", "obj:group_ids")
 # File name extension: meshio's name of the format.
-FORMATS = {".vtu": "vtu", ".vtk": "vtk", ".msh": "gmsh", ".ply": "ply", ".obj": "obj", ".inp": "abaqus", ".bdf": "nastran",
-           ".fem": "nastran", ".nas": "nastran"}
+FORMATS = {".vtu": "vtu", ".vtk": "vtk", ".msh": "gmsh", ".ply": "ply", ".obj": "obj", ".bdf": "nastran", ".fem": "nastran",
+           ".nas": "nastran"}
 VTK_51_TYPES = {b"vtkIdType": b"vtktypeint32", b"int": b"vtktypeint32", b"unsigned_int": b"vtktypeuint32",
                 b"char": b"vtktypeint8", b"unsigned_char": b"vtktypeuint8", b"short": b"vtktypeint16",
                 b"unsigned_short": b"vtktypeuint16"}
-
-
-# Keywords of Abaqus that make or move nodes and elements, and that meshio ignores.
-ABAQUS_UNREAD = {"SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"}
-
-
-def abaqus_keyword(line):
-    """NODE for *Node, NSET=..; "" for a line of data."""
-    return line[1:].split(",")[0].strip().upper() if line.startswith("*") else ""
-
-
-def abaqus_lines(file, parents=()):
-    """The lines of an Abaqus deck without comments and blank lines, with those of the files that it includes."""
-    if file in parents:
-        raise BadInput(file, "*Include", "the file includes itself")
-    with open(file, encoding="utf-8", errors="replace") as stream:
-        for line in map(str.strip, stream):
-            if abaqus_keyword(line) != "INCLUDE":
-                if line and not line.startswith("**"):
-                    yield line
-                continue
-            name = os.path.join(os.path.dirname(file), line.split("=")[-1].strip().strip('"'))
-            if not os.path.isfile(name):
-                raise BadInput(file, "*Include", f"no such file: {name}")
-            yield from abaqus_lines(name, (*parents, file))
-
-
-def abaqus_deck(file):
-    """The deck for meshio, which keeps the last *Node block only: all nodes are in the first one. Decks that mean another
-    mesh than their nodes and elements are errors."""
-    lines, nodes, first, instances, parts, keyword = [], {}, None, 0, 0, ""
-    for line in abaqus_lines(file):
-        if line.startswith("*"):
-            keyword = abaqus_keyword(line)
-            instances += keyword == "INSTANCE"
-            parts += keyword == "PART"
-            if keyword in ABAQUS_UNREAD or (keyword == "NODE" and re.search(r",\s*(SYSTEM|INPUT)\s*=", line, re.IGNORECASE)):
-                raise BadInput(file, "", f"'{line}' is not supported: write the deck with all nodes and elements, in global "
-                               "coordinates")
-            if keyword == "NODE":
-                first = len(lines) if first is None else first
-                continue
-        elif keyword == "NODE":
-            number = int(line.split(",")[0])
-            if number in nodes:
-                raise BadInput(file, "*Node", f"node {number} is there twice")
-            nodes[number] = line
-            continue
-        moved = keyword == "INSTANCE" and not line.startswith("*")
-        if moved or instances > 1 or parts > 1:
-            problem = "an instance is moved" if moved else f"more than one {'instance' if instances > 1 else 'part'}"
-            raise BadInput(file, "*Instance", f"{problem}: assemblies are not supported; write a deck without them "
-                           "(Abaqus/CAE: Model > Edit Attributes > Do not use parts and assemblies in input files)")
-        lines.append(line)
-    if first is not None:
-        lines[first:first] = ["*NODE", *nodes.values()]
-    return "\n".join([*lines, ""]).encode()
 
 
 def patched(file, extension):
@@ -91,8 +49,6 @@ def patched(file, extension):
         result = re.sub(rb"(?m)^(\S+ \d+ \d+|SCALARS \S+) (%s)(?=[ \d\r]*$)" % b"|".join(names),
                         lambda match: match.group(1) + b" " + names[match.group(2)], data)
         return result if result != data else None
-    if FORMATS[extension] == "abaqus":
-        return abaqus_deck(file)
     if FORMATS[extension] == "nastran":
         with open(file, "rb") as stream:
             data = stream.read()
@@ -105,10 +61,6 @@ def meshio_read(file):
     """The mesh as meshio reads it. Messages on the console, ends of the process and cells that meshio leaves out
     become errors."""
     extension = os.path.splitext(file)[1].lower()
-    if extension not in FORMATS:
-        raise BadInput(file, "", f"unknown extension '{extension}'; known: {' '.join(FORMATS)}")
-    if not os.path.isfile(file):
-        raise BadInput(file, "", "no such file")
     said = io.StringIO()
     try:
         with contextlib.ExitStack() as stack:
@@ -132,8 +84,10 @@ def meshio_read(file):
     text = " ".join(said.getvalue().split())
     if "cannot handle" in text:
         raise BadInput(file, "cells", text)
-    if extension == ".vtu":
-        with open(file, "rb") as stream:
-            if len(re.findall(rb"<Piece\b", stream.read())) > 1:
-                raise BadInput(file, "Piece", "several pieces in one file: meshio drops cells; merge them first")
     return mesh, text
+
+
+def is_in_pieces(file):
+    """Whether a .vtu has several pieces; meshio drops cells of these."""
+    with open(file, "rb") as stream:
+        return len(re.findall(rb"<Piece\b", stream.read())) > 1

@@ -6,9 +6,9 @@ import re
 
 import numpy as np
 
-from .errors import BadInput, first_bad
-from .formats import CELLS, LEFT_OUT, NODES, meshio_read
-from .numbering import numbering_of
+from .errors import BadInput, did_you_mean, first_bad
+from .formats import CELLS, LEFT_OUT, NODES, OBJECT_IDS, linear_type
+from .pieces import merge_pieces
 
 FACES = {10: [(0, 1, 2), (0, 1, 3), (1, 2, 3), (0, 2, 3)],
          12: [(0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)],
@@ -18,7 +18,6 @@ FACES = {10: [(0, 1, 2), (0, 1, 3), (1, 2, 3), (0, 2, 3)],
 # Names that arrays may have, in lower case; earlier names are preferred.
 POINT_IDS = ("globalpointids", "globalnodeids", "globalnodeid", "node_id", "nodeid", "pointids")
 CELL_IDS = ("globalcellids", "globalelementids", "globalelementid", "element_id", "elementid", "cellids")
-OBJECT_IDS = ("partid", "part_id", "part", "gmsh:physical", "nastran:ref", "obj:group_ids")
 VELOCITIES = ("velocity", "velocities", "vel")
 THICKNESSES = ("thickness",)
 DISPLACEMENTS = re.compile(r".*displac.*|(displ?|depl|u)(_?[xyz123])?")
@@ -50,7 +49,8 @@ def pick(arrays, wanted, guesses, file, what):
         return None
     if wanted:
         if wanted not in arrays:
-            raise BadInput(file, what, f"no array '{wanted}'; there is: {', '.join(sorted(arrays)) or 'none'}")
+            raise BadInput(file, what, f"no array '{wanted}'; there is: {', '.join(sorted(arrays)) or 'none'}"
+                           + did_you_mean(wanted, arrays))
         return arrays[wanted]
     by_lower = {name.lower(): name for name in arrays}
     return next((arrays[by_lower[guess]] for guess in guesses if guess in by_lower), None)
@@ -93,23 +93,29 @@ def vectors(mesh, wanted, guesses, file, what):
     if values is None:
         return None
     values = np.asarray(values, np.float64)
+    if values.shape == (len(mesh.points), 2):  # of plane meshes
+        values = np.column_stack([values, np.zeros(len(values))])
     if values.shape != (len(mesh.points), 3):
         raise BadInput(file, what, f"shape {values.shape} instead of ({len(mesh.points)}, 3)")
     return finite(values, file, what)
 
 
-def displacements(mesh, options, file):
-    """The displacements to be added to the points, or None. Without the option, arrays that may be displacements are an
-    error, because files do not say whether their points are displaced already."""
+def displacements(mesh, options, source):
+    """The displacements to be added to the points, and their name; or None. Without the option, arrays that may be
+    displacements are an error, because files do not say whether their points are displaced already, except for formats
+    whose points are always those before deformation."""
+    file = source.name
     if options.displacement:
-        return vectors(mesh, options.displacement, (), file, "displacement")
+        return vectors(mesh, options.displacement, (), file, "displacement"), options.displacement
     used = (options.velocity or "").split(",")
     names = [name for name in mesh.point_data if DISPLACEMENTS.fullmatch(name.lower()) and name not in used]
+    if len(names) == 1 and source.undeformed:
+        return vectors(mesh, names[0], (), file, "displacement"), names[0]
     if names:
         raise BadInput(file, "displacement", f"the points have {', '.join(map(repr, names))}: give --displacement "
                        f"{names[0] if len(names) == 1 else 'NAME'} to add it to the points, or --displacement none if they are "
                        "displaced already")
-    return None
+    return None, ""
 
 
 def finite(values, file, what):
@@ -132,7 +138,7 @@ def points_of(mesh, file):
 def refuse_unsupported(mesh, file):
     bad = {}
     for block in mesh.cells:
-        if block.type not in CELLS and not LEFT_OUT.fullmatch(block.type):
+        if linear_type(block.type) is None and not LEFT_OUT.fullmatch(block.type):
             bad[block.type] = bad.get(block.type, 0) + len(block.data)
     if bad:
         listed = ", ".join(f"{count} {name}" for name, count in bad.items())
@@ -162,7 +168,7 @@ def objects_from_sets(sets, chosen, ids, file):
     if chosen:
         for name in chosen:
             if name not in sets:
-                raise BadInput(file, "sets", f"no set '{name}'; there is: {', '.join(sets) or 'none'}")
+                raise BadInput(file, "sets", f"no set '{name}'; there is: {', '.join(sets) or 'none'}" + did_you_mean(name, sets))
         sets = {name: sets[name] for name in chosen}
     here, objects, names = {int(element): i for i, element in enumerate(ids)}, np.zeros(len(ids), np.int32), {}
     seen = {}
@@ -196,17 +202,18 @@ def objects_of(mesh, arrays, numbering, keep, options, file):
         return np.zeros(int(keep.sum()), np.int32), {}
     values = None if options.sets else pick(arrays, options.part, OBJECT_IDS, file, "object")
     if values is None:
-        if numbering is None or not numbering.sets:
+        sets = {} if numbering is None else (not options.sets and numbering.parts) or numbering.sets
+        if not sets:
             if options.sets:
                 raise BadInput(file, "sets", "the file has no element sets")
             return np.zeros(int(keep.sum()), np.int32), {}
-        return objects_from_sets(numbering.sets, options.sets, numbering.elements[keep], file)
+        return objects_from_sets(sets, options.sets, numbering.elements[keep], file)
     objects = integers(values, file, "object", np.int32)[keep]
     if not options.part and "obj:group_ids" in arrays and values is arrays["obj:group_ids"]:
         objects = objects + 1  # meshio counts groups from 0, and -1 means that the cell has no group
-    names = {}
+    names = dict(getattr(mesh, "part_names", {}))
     if values is arrays.get("gmsh:physical"):
-        dimensions = {CELLS[block.type][2] for block in mesh.cells if block.type in CELLS}
+        dimensions = {CELLS[linear_type(block.type)][2] for block in mesh.cells if linear_type(block.type)}
         names = {int(number): name for name, (number, dimension) in mesh.field_data.items() if dimension in dimensions}
     present = set(objects.tolist())
     return objects, {number: name for number, name in names.items() if number in present}
@@ -251,47 +258,106 @@ def check_repeated_vertices(frame, file):
         frame.notes.append(f"{repeated} cells have a vertex more than once, and stand for elements with fewer")
 
 
-def read_frame(file, options):
-    mesh, said = meshio_read(file)
+def by_corners(mesh, notes):
+    """Elements of higher order are replaced by those of their corners. Returns blocks (VTK's type or 0, corners), and
+    which points remain: not those that only elements of higher order have, as middle nodes."""
+    blocks, counts = [], {}
+    used, middle = np.zeros(len(mesh.points), bool), np.zeros(len(mesh.points), bool)
+    for block in mesh.cells:
+        data = np.asarray(block.data)
+        if not len(data):
+            continue
+        kind = linear_type(block.type)
+        number, nodes, _ = CELLS.get(kind, (0, data.shape[1], 0))
+        if kind and data.shape[1] > nodes:
+            counts[block.type] = counts.get(block.type, 0) + len(data)
+            inside = data[:, nodes:]
+            middle[inside[(inside >= 0) & (inside < len(middle))]] = True
+            data = data[:, :nodes]
+        blocks.append((number, data))
+        if kind:
+            used[data[(data >= 0) & (data < len(used))]] = True
+    stay = used | ~middle
+    if counts:
+        listed = ", ".join(f"{count} {name}" for name, count in counts.items())
+        notes.append(f"{listed}: taken as straight, by their corners; {int((~stay).sum())} middle nodes are left out")
+    return blocks, stay
+
+
+def without_points(mesh, blocks, stay, file, options, in_pieces):
+    """Mesh and blocks after points have gone: middle nodes, and those that pieces have in common."""
+    ids = pick(mesh.point_data, options.point_ids, POINT_IDS, file, "point ids")
+    merged = merge_pieces(mesh, ids, options.pieces, file) if in_pieces else None
+    rows, same = merged if merged else (np.arange(len(mesh.points)), np.arange(len(mesh.points)))
+    kept = np.zeros(len(rows), bool)
+    np.logical_or.at(kept, same, stay)
+    if merged is None and kept.all():
+        return blocks, rows
+    number = np.cumsum(kept) - 1
+    new = np.where(kept[same], number[same], -1)
+    blocks = [(kind, new[data] if kind else data) for kind, data in blocks]
+    mesh.points = np.asarray(mesh.points)[rows[kept]]
+    mesh.point_data = {name: np.asarray(values)[rows[kept]] for name, values in mesh.point_data.items()}
+    return blocks, rows[kept]
+
+
+def check_connectivity(connectivity, offsets, points, file):
+    outside = (connectivity < 0) | (connectivity >= points)
+    if outside.any():
+        at = int(np.searchsorted(offsets, first_bad(outside), "right")) - 1
+        raise BadInput(file, "cells", f"uses point {connectivity[first_bad(outside)]} of {points}", at)
+
+
+def offsets_of(types):
+    return np.concatenate([[0], np.cumsum([NODES[kind] for kind in types])]).astype(np.int64)
+
+
+def ids_of(frame, mesh, arrays, numbering, rows, keep, options, file):
+    """Sets the ids of points and cells, if the source has them."""
+    ids = pick(mesh.point_data, options.point_ids, POINT_IDS, file, "point ids")
+    if ids is None and numbering is not None and options.point_ids != "none":
+        ids = numbering.nodes[rows]
+    if ids is not None:
+        frame.point_ids = check_ids(integers(ids, file, "point ids", np.int64), len(frame.points), file, "point ids")
+    ids = pick(arrays, options.cell_ids, CELL_IDS, file, "cell ids")
+    if ids is None and numbering is not None and options.cell_ids != "none":
+        ids = numbering.elements
+    if ids is not None:
+        frame.cell_ids = check_ids(integers(ids, file, "cell ids", np.int64)[keep], len(frame.types), file, "cell ids")
+
+
+def read_frame(source, options):
+    file = source.name
+    mesh, said, numbering = source.read()
+    notes = [said] if said else []
     refuse_unsupported(mesh, file)
-    points, numbering, arrays = points_of(mesh, file), numbering_of(file, mesh), cell_arrays(mesh)
-    blocks = [(CELLS.get(block.type, (0, 0, 0))[0], np.asarray(block.data)) for block in mesh.cells if len(block.data)]
+    points_of(mesh, file)
+    blocks, stay = by_corners(mesh, notes)
     if not any(kind for kind, _ in blocks):
         raise BadInput(file, "cells", "no cells of a supported type: " + ", ".join(CELLS))
     types = np.concatenate([np.full(len(data), kind, np.uint8) for kind, data in blocks])
     keep = types > 0
+    nodes = np.concatenate([data.reshape(-1) for kind, data in blocks if kind]).astype(np.int64)
+    check_connectivity(nodes, offsets_of(types[keep]), len(mesh.points), file)
+    blocks, rows = without_points(mesh, blocks, stay, file, options, source.in_pieces)
+    points, arrays = points_of(mesh, file), cell_arrays(mesh)
     connectivity = np.concatenate([data.reshape(-1) for kind, data in blocks if kind]).astype(np.int64)
-    offsets = np.concatenate([[0], np.cumsum([NODES[kind] for kind in types[keep]])]).astype(np.int64)
-    outside = (connectivity < 0) | (connectivity >= len(points))
-    if outside.any():
-        at = int(np.searchsorted(offsets, first_bad(outside), "right")) - 1
-        raise BadInput(file, "cells", f"uses point {connectivity[first_bad(outside)]} of {len(points)}", at)
-    notes = [said] if said else []
+    offsets = offsets_of(types[keep])
     if not options.keep_faces:
         face = is_face_of_volume(types[keep], offsets, connectivity)
         if face.any():
             notes.append(f"{int(face.sum())} triangles and quads that are faces of volume cells are left out")
             connectivity = connectivity[np.repeat(~face, np.diff(offsets))]
             keep[np.flatnonzero(keep)[face]] = False
-            offsets = np.concatenate([[0], np.cumsum([NODES[kind] for kind in types[keep]])]).astype(np.int64)
-    moved = displacements(mesh, options, file)
+            offsets = offsets_of(types[keep])
+    moved, name = displacements(mesh, options, source)
     if moved is not None:
         points = points + moved
-        notes.append(f"{options.displacement} is added to the points")
-    cells = int(keep.sum())
+        notes.append(f"{name} is added to the points")
     objects, names = objects_of(mesh, arrays, numbering, keep, options, file)
-    frame = Frame(points, types[keep], offsets, connectivity, objects, time=time_of(mesh, file), object_names=names,
-                  notes=notes)
-    ids = pick(mesh.point_data, options.point_ids, POINT_IDS, file, "point ids")
-    if ids is None and numbering is not None and options.point_ids != "none":
-        ids = numbering.nodes
-    if ids is not None:
-        frame.point_ids = check_ids(integers(ids, file, "point ids", np.int64), len(points), file, "point ids")
-    ids = pick(arrays, options.cell_ids, CELL_IDS, file, "cell ids")
-    if ids is None and numbering is not None and options.cell_ids != "none":
-        ids = numbering.elements
-    if ids is not None:
-        frame.cell_ids = check_ids(integers(ids, file, "cell ids", np.int64)[keep], cells, file, "cell ids")
+    time = source.time if source.time is not None else time_of(mesh, file)
+    frame = Frame(points, types[keep], offsets, connectivity, objects, time=time, object_names=names, notes=notes)
+    ids_of(frame, mesh, arrays, numbering, rows, keep, options, file)
     frame.velocity = vectors(mesh, options.velocity, VELOCITIES, file, "velocity")
     frame.thickness = thickness_of(arrays, keep, frame.types, options.thickness, file)
     check_repeated_vertices(frame, file)

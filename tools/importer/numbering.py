@@ -1,25 +1,22 @@
-"""Node and element numbers that meshio drops: Gmsh (text) and Abaqus."""
+"""Node and element numbers of a file."""
 
 import dataclasses
-import itertools
-import os
 import re
 
-import meshio
 import numpy as np
 
 from .errors import BadInput
-from .formats import FORMATS, abaqus_keyword, abaqus_lines
 
 
 @dataclasses.dataclass
 class Numbering:
-    """Node and element numbers that meshio drops: by point, by element in the order of the file, and sets of
-    elements."""
+    """Numbers by point and by element in the order of the file; elements of the sets; elements of the parts, which are the
+    objects unless sets are chosen."""
 
     nodes: np.ndarray
     elements: np.ndarray
     sets: dict = dataclasses.field(default_factory=dict)
+    parts: dict = dataclasses.field(default_factory=dict)
 
 
 def gmsh_numbering(file):
@@ -47,58 +44,13 @@ def gmsh_numbering(file):
     return Numbering(np.array(nodes, np.int64), np.array(elements, np.int64))
 
 
-def abaqus_numbering(file):
-    """Node numbers, element numbers, and element sets by name."""
-    nodes, elements, sets = [], [], {}
-    numbers = row = None  # list to which the numbers of data lines are added; kind of these lines
-    generate = False
-    for line in abaqus_lines(file):
-        if line.startswith("*"):
-            keyword = abaqus_keyword(line)
-            values = dict(re.findall(r"(\w+)\s*=\s*([^,]+)", line))
-            values = {key.upper(): value.strip() for key, value in values.items()}
-            numbers, generate = None, bool(re.search(r",\s*GENERATE", line, re.IGNORECASE))
-            if keyword == "NODE":
-                numbers, row = nodes, "first"
-            elif keyword == "ELEMENT":
-                numbers, row, pending = elements, "element", []
-                kind = meshio.abaqus._abaqus.abaqus_to_meshio_type.get(values.get("TYPE", ""), "")
-                width = 1 + meshio._mesh.num_nodes_per_cell.get(kind, 0)
-                members = sets.setdefault(values["ELSET"], []) if "ELSET" in values else None
-            elif keyword == "ELSET" and "ELSET" in values:
-                numbers, row = sets.setdefault(values["ELSET"], []), "set"
-            continue
-        if numbers is None:
-            continue
-        fields = [field.strip() for field in line.split(",") if field.strip()]
-        if row == "first":
-            numbers.append(int(fields[0]))
-        elif row == "element":
-            # An element may continue on further lines.
-            pending += fields
-            while width > 1 and len(pending) >= width:
-                numbers.append(int(pending[0]))
-                if members is not None:
-                    members.append(int(pending[0]))
-                pending = pending[width:]
-        elif generate:
-            first, last, stride = (int(field) for field in (fields + ["1"])[:3])
-            numbers += range(first, last + 1, stride)
-        else:
-            numbers += itertools.chain.from_iterable(
-                [int(field)] if field.lstrip("-").isdigit() else sets.get(field, []) for field in fields)
-    return Numbering(np.array(nodes, np.int64), np.array(elements, np.int64), sets)
-
-
-def numbering_of(file, mesh):
-    """Numbers of the nodes and elements in the file, in meshio's order, or None."""
-    format_name = FORMATS[os.path.splitext(file)[1].lower()]
+def numbering_of(file, mesh, format_name):
+    """Numbers of the nodes and elements in a file that meshio has read, in its order, or None. meshio drops those of
+    Gmsh."""
     numbering = None
     try:
         if format_name == "gmsh":
             numbering = gmsh_numbering(file)
-        elif format_name == "abaqus":
-            numbering = abaqus_numbering(file)
         elif format_name == "nastran":
             numbering = Numbering(np.array(mesh.points_id, np.int64),
                                   np.concatenate([np.asarray(ids, np.int64) for ids in mesh.cells_id] or [[]]))

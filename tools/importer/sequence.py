@@ -77,18 +77,18 @@ def same_cells(a, b):
     return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("types", "connectivity", "objects", "cell_ids"))
 
 
-def times_of(files, options, found):
+def times_of(frames, options, found):
     """Times of the frames: those of the options, else those in the files, else 0, 1, .."""
     if options.times is not None:
         times = options.times
-        if len(times) != len(files):
-            raise BadInput("", "--times", f"{len(times)} times for {len(files)} files")
+        if len(times) != len(frames):
+            raise BadInput("", "--times", f"{len(times)} times for {len(frames)} frames")
     elif options.dt is not None:
-        times = [options.dt * k for k in range(len(files))]
+        times = [options.dt * k for k in range(len(frames))]
     else:
-        times = list(found) if None not in found else [float(k) for k in range(len(files))]
+        times = list(found) if None not in found else [float(k) for k in range(len(frames))]
     for k in range(len(times)):
         if not np.isfinite(times[k]) or (k > 0 and not times[k] > times[k - 1]):
-            raise BadInput(files[k], "time", f"{times[k]} is not finite or not after that of the file before: give --times or "
+            raise BadInput(frames[k], "time", f"{times[k]} is not finite or not after that of the file before: give --times or "
                            "--dt", k)
     return times

@@ -69,7 +69,7 @@ class FolderLock {
 /// A bake in progress: the frames so far, and the state after the last.
 class Workplace {
  public:
-  explicit Workplace(std::string folder) : folder_(made(std::move(folder))), lock_(folder_) {}
+  explicit Workplace(std::string folder) : folder_(make_cache_folder(std::move(folder))), lock_(folder_) {}
 
   std::string frame_file(int k) const { return fmt::format("{}/frame-{:05}", folder_, k); }
 
@@ -119,13 +119,6 @@ class Workplace {
   }
 
  private:
-  static std::string made(std::string folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) throw InputError(folder, "", error.message());
-    return folder;
-  }
-
   /// A state is stored as the bytes in memory, so that only the same build can continue from it.
   static std::string signature() { return fmt::format("{} {}", build_facts().commit, build_facts().build_type); }
 
@@ -239,6 +232,17 @@ std::string bake_cache_folder() {
   if (const std::string given = variable("XDG_CACHE_HOME"); !given.empty()) return given + "/volccd";
   if (const std::string home = variable("HOME"); !home.empty()) return home + "/.cache/volccd";
   return ".volccd-cache";
+}
+
+std::string make_cache_folder(std::string folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error && access(folder.c_str(), W_OK) != 0) error = std::error_code(errno, std::generic_category());
+  if (error)
+    throw InputError(folder, "",
+                     "cannot be made or written to: " + error.message() +
+                         "; scenes are kept in the folder that VOLCCD_CACHE names: let it name another");
+  return folder;
 }
 
 std::string baked_file(const SimulatedScene& scene, const BakeSettings& settings) {

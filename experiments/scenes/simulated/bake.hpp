@@ -32,6 +32,10 @@ struct BakeHooks {
 /// Folder of baked scenes: VOLCCD_CACHE, else $XDG_CACHE_HOME/volccd, else ~/.cache/volccd, else ./.volccd-cache.
 std::string bake_cache_folder();
 
+/// Makes a folder in the cache, or the cache itself, if it is not there, and returns it. Throws InputError, which names
+/// VOLCCD_CACHE, if it cannot be made or written to.
+std::string make_cache_folder(std::string folder);
+
 /// The file that bake() writes, whether or not it exists.
 std::string baked_file(const SimulatedScene& scene, const BakeSettings& settings);
 

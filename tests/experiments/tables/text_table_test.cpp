@@ -60,6 +60,28 @@ TEST(TextTable, ACellThatIsWiderByItselfStays) {
   EXPECT_NE(table.text().find(std::string(150, 'n')), std::string::npos);
 }
 
+TEST(TextTable, ANarrowerTerminalTakesMoreTables) {
+  TextTable table({"name", "one", "two", "three"});
+  table.add({"a", "1", "2", "3"});
+  EXPECT_EQ(table.text(15), "name  one  two\n--------------\na       1    2\n\nname  three\n-----------\na         3\n");
+  EXPECT_EQ(table.text(100), table.text());
+}
+
+TEST(TextTable, Numbers) {
+  EXPECT_EQ(number_text(0), "0");
+  EXPECT_EQ(number_text(0.012345), "0.0123");
+  EXPECT_EQ(number_text(999.4), "999");
+  EXPECT_EQ(number_text(999.5), "1,000");
+  EXPECT_EQ(number_text(1139.6), "1,140");
+  EXPECT_EQ(number_text(-28900.4), "-28,900");
+  EXPECT_EQ(fixed_text(-0.04, 1), "0.0");
+  EXPECT_EQ(fixed_text(-0.4, 0), "0");
+  EXPECT_EQ(fixed_text(-0.06, 1), "-0.1");
+  EXPECT_EQ(counted(1, "step"), "1 step");
+  EXPECT_EQ(counted(1234, "step"), "1,234 steps");
+  EXPECT_EQ(counted(0, "step"), "0 steps");
+}
+
 TEST(TextTable, Wrapped) {
   EXPECT_EQ(wrapped("one two three", 7), "one two\nthree");
   EXPECT_EQ(wrapped("  one two three\nfour", 9), "  one two\n  three\nfour");
