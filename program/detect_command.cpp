@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <volccd/distributed/detector.hpp>
+#include <volccd/distributed/in_process_detector.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/io/contacts_csv.hpp>
 #include <volccd/io/contacts_vtp.hpp>
@@ -119,9 +119,8 @@ class Detection {
                  .leave_out_shell_neighbours = options.query.leaves_out_shell_neighbours(options.sequence)} {
     options.check_ranks();
     if (options.ranks)
-      ranks_.emplace(
-          registry, registry.pipeline(options.pipeline, options.settings),
-          distributed::Config{.ranks = *options.ranks, .executor = executor_.get(), .filter = options.query.filter()});
+      ranks_.emplace(*options.ranks, registry, registry.pipeline(options.pipeline, options.settings),
+                     distributed::Config{.executor = executor_.get(), .filter = options.query.filter(), .skin = 0});
     if (range_.end > std::numeric_limits<int>::max() / options.substeps)
       throw ConfigError(fmt::format("--substeps: {} substeps of {} motions are more than can be numbered",
                                     options.substeps, range_.end));
@@ -367,7 +366,7 @@ class Detection {
   const DetectOptions& options_;
   std::unique_ptr<Executor> executor_;
   StepRunner runner_;
-  std::optional<distributed::Detector> ranks_;  ///< in place of the runner
+  std::optional<distributed::InProcessDetector> ranks_;  ///< in place of the runner
   std::vector<distributed::RankStatistics> rank_sums_;
   std::uint64_t elements_ = 0;  ///< of the mesh, in all steps on ranks
   SequenceReader reader_;
