@@ -11,8 +11,8 @@ namespace volccd::distributed::detail {
 
 namespace {
 
-/// Centres that all ranks gather to divide space: at most this many in all, and at least kMinSamples a rank.
-constexpr std::size_t kSamples = std::size_t{1} << 17, kMinSamples = 64;
+/// Centres that each rank gives, at most, to divide space: every rank sorts those of all.
+constexpr std::size_t kSamples = 512;
 
 constexpr double kMax = std::numeric_limits<double>::max();
 
@@ -51,8 +51,7 @@ void get_element(Reader& reader, ReceivedElements& result) {
 
 Regions divide(Exchange& exchange, std::span<const Box> boxes, const Regions& present,
                std::span<const double> density) {
-  const std::size_t most = std::max(kMinSamples, kSamples / static_cast<std::size_t>(exchange.size()));
-  const std::size_t stride = std::max<std::size_t>(1, (boxes.size() + most - 1) / most);
+  const std::size_t stride = std::max<std::size_t>(1, (boxes.size() + kSamples - 1) / kSamples);
   Bytes mine;
   for (std::size_t begin = 0; begin < boxes.size(); begin += stride) {
     double weight = 0;
