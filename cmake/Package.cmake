@@ -24,6 +24,13 @@ exec /usr/bin/python3 \"\$(dirname \"\$(readlink -f \"\$0\")\")/../${CMAKE_INSTA
   endforeach()
 endif()
 
+if(VOLCCD_MPI)
+  install(EXPORT volccdMpiTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
+  if(VOLCCD_BUILD_PROGRAM)
+    install(TARGETS volccd_mpi_executable RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT mpi)
+  endif()
+endif()
+
 get_property(headers GLOBAL PROPERTY VOLCCD_HEADERS)
 get_property(folders GLOBAL PROPERTY VOLCCD_HEADER_FOLDERS)
 install(CODE "

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include <volccd/distributed/detail/bytes.hpp>
 
 namespace volccd::distributed {
 
@@ -33,18 +32,18 @@ void run_on_all(Exchange& exchange, const char* where, FunctionRef<void()> work,
   values.insert(values.end(), maxima.begin(), maxima.end());
   exchange.allreduce(values, Reduction::max);
   if (values[0] != 0) {
-    for (const Bytes& text : exchange.allgather(detail::to_bytes(problem)))
-      if (!text.empty()) throw RankError(detail::text_of(text));
+    for (const Bytes& text : exchange.allgather(to_bytes(problem)))
+      if (!text.empty()) throw RankError(text_of(text));
   }
   std::copy(values.begin() + 1, values.end(), maxima.begin());
 }
 
 void require_same(Exchange& exchange, const std::string& what, const std::string& text) {
-  const std::vector<Bytes> all = exchange.allgather(detail::to_bytes(text));
+  const std::vector<Bytes> all = exchange.allgather(to_bytes(text));
   for (std::size_t r = 1; r < all.size(); ++r)
     if (all[r] != all[0])
       throw RankError(fmt::format("the {} must be the same on all ranks: rank 0 has {}; rank {} has {}", what,
-                                  detail::text_of(all[0]), r, detail::text_of(all[r])));
+                                  text_of(all[0]), r, text_of(all[r])));
 }
 
 }  // namespace volccd::distributed

@@ -5,12 +5,21 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace volccd::distributed {
 
 using Bytes = std::vector<std::byte>;
+
+/// A text as bytes, and back.
+inline Bytes to_bytes(std::string_view text) {
+  const auto* const data = reinterpret_cast<const std::byte*>(text.data());
+  return {data, data + text.size()};
+}
+inline std::string text_of(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
 enum class Reduction { min, max, sum };
 

@@ -8,18 +8,11 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/distributed/parts.hpp>
 
 namespace volccd::distributed {
 
 namespace {
-
-/// The part of `count` slots that a rank gives.
-std::pair<Index, Index> part_of(Index count, int rank, int ranks) {
-  const auto begin = [&](int r) {
-    return static_cast<Index>(std::uint64_t{count} * static_cast<std::uint64_t>(r) / static_cast<std::uint64_t>(ranks));
-  };
-  return {begin(rank), begin(rank + 1)};
-}
 
 void check_request(const Request& request, const Topology& topology, const Motion& motion) {
   if (request.ends || request.tests || request.candidates || request.observer)
@@ -107,19 +100,13 @@ void InProcessDetector::step_of_rank(Exchange& exchange, const Topology& topolog
                                      const Request& request) {
   Rank& rank = *ranks_[static_cast<std::size_t>(exchange.rank())];
   const Mesh& mesh = topology.mesh();
-  const auto [begin, end] = part_of(mesh.vertex_count(), exchange.rank(), exchange.size());
+  const PartRange vertices = part_of(mesh.vertex_count(), exchange.rank(), exchange.size());
   if (version_ != topology.version()) {
-    Elements elements;
-    const auto [first, last] = part_of(mesh.element_slots(), exchange.rank(), exchange.size());
-    for (Index o = first; o < last; ++o)
-      if (mesh.is_live(o)) elements.add(mesh, o);
-    const auto ids = mesh.vertex_ids().subspan(begin, end - begin);
-    rank.detector.set_mesh(std::move(elements), {ids.begin(), ids.end()}, topology.features().edge_set());
+    const auto ids = mesh.vertex_ids().subspan(vertices.begin, vertices.size());
+    rank.detector.set_mesh(elements_in(mesh, part_of(mesh.element_slots(), exchange.rank(), exchange.size())),
+                           {ids.begin(), ids.end()}, topology.features().edge_set());
   }
-  if (rank.motion.vertex_count() != end - begin || rank.motion.control_points() != motion.control_points())
-    rank.motion = Motion(end - begin, motion.control_points());
-  for (Index v = begin; v < end; ++v)
-    for (int c = 0; c < motion.control_points(); ++c) rank.motion.set(v - begin, c, motion.point(v, c));
+  take_part(motion, vertices, rank.motion);
   rank.detector.step(rank.motion, request);
 }
 

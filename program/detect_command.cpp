@@ -17,6 +17,7 @@
 #include <volccd/io/stats_json.hpp>
 #include <volccd/pipelines/step_runner.hpp>
 #include <volccd/program/commands.hpp>
+#include <volccd/program/contact_query_options.hpp>
 #include <volccd/program/output_plan.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
@@ -29,15 +30,10 @@ namespace volccd {
 
 namespace {
 
-struct DetectOptions {
-  SequenceOptions sequence;
-  QueryOptions query;
+struct DetectOptions : ContactQueryOptions {
   ReportOptions report;
-  std::string pipeline = "VolCCD+", contacts, vtk, overlaps, stats;
-  std::vector<std::string> settings;
-  std::string lists;
+  std::string vtk, stats, lists;
   int substeps = 1;
-  bool first = false;
   std::optional<int> ranks;
 
   ListConfig list_config() const;
@@ -109,17 +105,15 @@ class Detection {
   Detection(const DetectOptions& options, const Registry& registry)
       : options_(options),
         executor_(make_interruptible_executor(options.query.threads)),
-        runner_(Pipeline(registry, registry.pipeline(options.pipeline, options.settings)),
+        runner_(Pipeline(registry, options.spec(registry)),
                 {.executor = executor_.get(), .filter = options.query.filter(), .lists = options.list_config()}),
         reader_(options.sequence.file),
         stepper_(reader_, options.sequence.stepper()),
         range_(parse_steps(options.sequence.steps, stepper_.step_count(), options.sequence.file)),
-        request_{.query = options.first ? Query::first : Query::all,
-                 .initial_overlaps = !options.overlaps.empty(),
-                 .leave_out_shell_neighbours = options.query.leaves_out_shell_neighbours(options.sequence)} {
+        request_(options.request()) {
     options.check_ranks();
     if (options.ranks)
-      ranks_.emplace(*options.ranks, registry, registry.pipeline(options.pipeline, options.settings),
+      ranks_.emplace(*options.ranks, registry, options.spec(registry),
                      distributed::Config{.executor = executor_.get(), .filter = options.query.filter(), .skin = 0});
     if (range_.end > std::numeric_limits<int>::max() / options.substeps)
       throw ConfigError(fmt::format("--substeps: {} substeps of {} motions are more than can be numbered",
@@ -391,19 +385,10 @@ class Detection {
 void add_detect_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command = app.add_subcommand("detect", "contacts of the steps in a sequence");
   const auto options = std::make_shared<DetectOptions>();
-  options->sequence.add_to(*command);
-  command->add_option("--pipeline", options->pipeline, "see `volccd stages`")->type_name("NAME")->capture_default_str();
-  command->add_option("--set", options->settings, "stage.option=value, or role=stage[,stage...]; may be repeated")
-      ->type_name("X=Y")
-      ->allow_extra_args(false);
-  command->add_option("--contacts", options->contacts, "write the contacts as CSV")->type_name("FILE");
+  options->add_to(*command);
   command
       ->add_option("--vtk", options->vtk,
                    "write the contacts as points for ParaView (.vtp): normals, times, kinds, objects")
-      ->type_name("FILE");
-  command
-      ->add_option("--overlaps", options->overlaps,
-                   "also find the elements that overlap at the start of a step, and write them as CSV")
       ->type_name("FILE");
   command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
   command
@@ -424,9 +409,6 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
                    "mesh; the contacts are the same")
       ->type_name("N")
       ->check(CLI::Range(1, 4096));
-  command->add_flag("--first", options->first, "find only the earliest contact of each step, which is faster");
-  options->query.add_to(*command);
-  options->sequence.add_parts_to(*command);
   options->report.add_to(*command);
   command->footer(
       "FILE of an output: with `-` or /dev/stdout, the output goes to the standard output, and the tables go to "

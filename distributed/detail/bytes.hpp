@@ -5,20 +5,12 @@
 #include <cstddef>
 #include <cstring>
 #include <span>
-#include <string>
-#include <string_view>
 #include <type_traits>
 #include <vector>
 
 #include <volccd/distributed/exchange.hpp>
 
 namespace volccd::distributed::detail {
-
-inline Bytes to_bytes(std::string_view text) {
-  const auto* const data = reinterpret_cast<const std::byte*>(text.data());
-  return {data, data + text.size()};
-}
-inline std::string text_of(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
 template <class T>
 void put_values(Bytes& bytes, std::span<const T> values) {

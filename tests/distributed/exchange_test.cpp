@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include <volccd/distributed/agreement.hpp>
-#include <volccd/distributed/detail/bytes.hpp>
 
 #include "distributed/rank_numbers.hpp"
 
@@ -49,9 +48,9 @@ TEST(InProcessRanks, ReduceAndGather) {
       exchange.allreduce({&greatest, 1}, Reduction::max);
       EXPECT_EQ(least, 3u);
       EXPECT_EQ(greatest, n + 2);
-      const auto texts = exchange.allgather(detail::to_bytes(std::string(mine % 3, 'a') + std::to_string(mine)));
+      const auto texts = exchange.allgather(to_bytes(std::string(mine % 3, 'a') + std::to_string(mine)));
       for (std::size_t r = 0; r < n; ++r)
-        EXPECT_EQ(detail::text_of(texts[r]), std::string(r % 3, 'a') + std::to_string(r));
+        EXPECT_EQ(text_of(texts[r]), std::string(r % 3, 'a') + std::to_string(r));
     });
 }
 
@@ -77,12 +76,12 @@ TEST(InProcessRanks, NeighboursReceiveWhatIsSent) {
         for (int round = 0; round < 3; ++round) {
           std::vector<Bytes> messages;
           for (const int to : graph.destinations())
-            messages.push_back(detail::to_bytes(std::string(static_cast<std::size_t>(to % 4), 'x') +
+            messages.push_back(to_bytes(std::string(static_cast<std::size_t>(to % 4), 'x') +
                                                 std::to_string(100 * exchange.rank() + round)));
           const auto received = graph.exchange(std::move(messages));
           ASSERT_EQ(received.size(), sources.size());
           for (std::size_t i = 0; i < sources.size(); ++i)
-            EXPECT_EQ(detail::text_of(received[i]), std::string(static_cast<std::size_t>(exchange.rank() % 4), 'x') +
+            EXPECT_EQ(text_of(received[i]), std::string(static_cast<std::size_t>(exchange.rank() % 4), 'x') +
                                                         std::to_string(100 * sources[i] + round));
         }
       });

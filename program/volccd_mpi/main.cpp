@@ -1,0 +1,105 @@
+// volccd-mpi: the command `detect` of `volccd` by several processes.
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <volccd/distributed/agreement.hpp>
+#include <volccd/io/build_facts.hpp>
+#include <volccd/io/hdf5/hdf5_messages.hpp>
+#include <volccd/paper2011/paper2011.hpp>
+#include <volccd/peers/peers.hpp>
+#include <volccd/program/command_line.hpp>
+#include <volccd/program/commands.hpp>
+#include <volccd/program/progress.hpp>
+#include <volccd/program/volccd_mpi/detection.hpp>
+
+namespace volccd {
+
+namespace {
+
+struct Options : ContactQueryOptions {
+  ReportOptions report;
+};
+
+void add_detect(CLI::App& app, Options& options) {
+  CLI::App* command = app.add_subcommand("detect", "contacts of the steps in a sequence");
+  options.query.threads = 1;
+  options.add_to(*command);
+  options.report.add_quiet_to(*command);
+  command->footer(
+      "Outputs are regular files with the bytes that `volccd detect` writes; they appear when all steps are done. "
+      "--threads: of each process.\n"
+      "Examples:\n"
+      "  mpirun -n 4 volccd-mpi detect run.vtkhdf --contacts contacts.csv\n"
+      "  mpirun -n 4 volccd-mpi detect run.vtkhdf --steps 4:8 --separation 0.01 --first");
+}
+
+/// Returns the exit code, the same on all ranks. Rank 0 alone prints.
+int run(distributed::MpiExchange& exchange, int argc, char** argv) {
+  const bool first = exchange.rank() == 0;
+  if (!first) Progress::silence();
+  Registry registry = Registry::standard();
+  add_peers(registry);
+  add_paper2011(registry);
+  turn_off_hdf5_messages();
+  std::signal(SIGXFSZ, SIG_IGN);
+  CLI::App app("Contacts between deforming volume meshes, by the processes of mpirun.", "volccd-mpi");
+  app.set_version_flag("--version", fmt::format("volccd-mpi {} ({})", build_facts().version, build_facts().commit));
+  app.require_subcommand(1);
+  Options options;
+  add_detect(app, options);
+  use_help_formatter(app);
+  std::string problem;
+  try {
+    check_command_names(app, argc, argv);
+    app.parse(argc, argv);
+    detect_on_ranks(exchange, options, options.report, registry);
+    return kDone;
+  } catch (const CLI::ExtrasError&) {
+    problem = unexpected_arguments(app);
+  } catch (const CLI::ParseError& error) {
+    return (first ? app.exit(error) : error.get_exit_code()) == 0 ? kDone : kBadInput;
+  } catch (const ConfigError& error) {  // of the command line, the same on all ranks
+    problem = error.what();
+  } catch (const distributed::RankError& error) {
+    problem = error.what();
+  }
+  if (first) fmt::print(stderr, "volccd-mpi: {}\n", problem);
+  return std::string_view(problem).ends_with(kStoppedByUser) ? kInterrupted : kBadInput;
+}
+
+}  // namespace
+
+/// Ends all processes if an exception leaves one of them, so that the others do not wait for it.
+int run_or_abort(int argc, char** argv) {
+  try {
+    distributed::MpiExchange exchange(MPI_COMM_WORLD);
+    try {
+      return run(exchange, argc, argv);
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "volccd-mpi: rank {} of {}: {}\n", exchange.rank(), exchange.size(),
+                 distributed::problem_of(error));
+      std::fflush(nullptr);
+      MPI_Abort(MPI_COMM_WORLD, kBadInput);
+    }
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "volccd-mpi: {}\n", error.what());
+    MPI_Abort(MPI_COMM_WORLD, kBadInput);
+  }
+  return kBadInput;
+}
+
+}  // namespace volccd
+
+int main(int argc, char** argv) {
+  int provided = 0;
+  if (MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided) != MPI_SUCCESS) return volccd::kBadInput;
+  const int code = volccd::run_or_abort(argc, argv);
+  MPI_Finalize();
+  return code;
+}
