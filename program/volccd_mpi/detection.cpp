@@ -111,19 +111,35 @@ class RankDetection {
     run_on_all(exchange_, "reading", [&] {
       InterruptGuard::check();
       changed = source_->go_to(k, *executor_);
-      detector_->set_separation(options_.query.separation.value_or(source_->separation()));
     });
-    if (changed)
-      detector_->set_mesh(source_->elements(), source_->vertices(), options_.sequence.stepper().edge_set);
-    if (k == range_.begin) check_separation(k);
+    detector_->set_separation(options_.query.separation.value_or(query_separation()));
+    if (changed) {
+      distributed::Elements elements = source_->elements();
+      if (k == range_.begin) check_first_step(k, elements);
+      detector_->set_mesh(std::move(elements), source_->vertices(), options_.sequence.stepper().edge_set);
+    }
     const distributed::RankResult& result = detector_->step(source_->motion(), request_);
     write(k, result);
     add_row(k, result);
     sum_ += result.rank;
   }
 
+  /// Of the query of this step: the same on all ranks that have points.
+  double query_separation() {
+    std::uint64_t greatest = ordered(source_->separation());
+    exchange_.allreduce({&greatest, 1}, Reduction::max);
+    const double separation = from_ordered(greatest);
+    run_on_all(exchange_, "reading", [&] {
+      if (source_->motion().vertex_count() > 0 && source_->separation() != separation)
+        throw InputError(options_.sequence.file, "VTKHDF/PointData/QuerySeparation",
+                         fmt::format("is not the same at all points: {} and {}", source_->separation(), separation));
+    });
+    return separation;
+  }
+
   /// As QueryOptions::check, with the points of the file in place of the vertices in use.
-  void check_separation(int k) {
+  void check_first_step(int k, const distributed::Elements& elements) {
+    if (options_.query.pairs == "inter") warn_of_one_object(k, elements);
     const Motion& motion = source_->motion();
     std::vector<std::uint64_t> bounds(6, 0);  // maxima of the coordinates and of their negatives
     for (Index v = 0; v < motion.vertex_count(); ++v)
@@ -142,6 +158,21 @@ class RankDetection {
           fmt::format("--separation: {:g} is greater than the diagonal {:g} of the box around the scene in step {}: "
                       "all features would be in contact",
                       detector_->separation(), diagonal, k));
+  }
+
+  void warn_of_one_object(int k, const distributed::Elements& elements) {
+    std::uint64_t least = ordered(std::numeric_limits<double>::infinity()), greatest = 0;
+    for (const std::int32_t object : elements.objects) {
+      least = std::min(least, ordered(object));
+      greatest = std::max(greatest, ordered(object));
+    }
+    exchange_.allreduce({&least, 1}, Reduction::min);
+    exchange_.allreduce({&greatest, 1}, Reduction::max);
+    if (first() && least == greatest)
+      fmt::print(stderr,
+                 "volccd-mpi: warning: all elements of step {} belong to object {}, so there are no pairs between "
+                 "objects; --parts components makes each connected component an object\n",
+                 k, from_ordered(least));
   }
 
   void write(int k, const distributed::RankResult& result) {

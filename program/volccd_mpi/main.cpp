@@ -1,8 +1,12 @@
 // volccd-mpi: the command `detect` of `volccd` by several processes.
 
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <optional>
+#include <sstream>
+#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -39,7 +43,43 @@ void add_detect(CLI::App& app, Options& options) {
       "  mpirun -n 4 volccd-mpi detect run.vtkhdf --steps 4:8 --separation 0.01 --first");
 }
 
-/// Returns the exit code, the same on all ranks. Rank 0 alone prints.
+/// What a rank prints after its command line is parsed, if it has nothing to run.
+struct Stop {
+  int code = kDone;
+  std::string out, err;
+};
+
+std::optional<Stop> parse(CLI::App& app, int argc, char** argv) {
+  try {
+    check_command_names(app, argc, argv);
+    app.parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::ExtrasError&) {
+    return Stop{kBadInput, "", fmt::format("volccd-mpi: {}\n", unexpected_arguments(app))};
+  } catch (const CLI::ParseError& error) {
+    std::ostringstream out, err;
+    const int code = app.exit(error, out, err);
+    return Stop{code == 0 ? kDone : kBadInput, out.str(), err.str()};
+  } catch (const ConfigError& error) {
+    return Stop{kBadInput, "", fmt::format("volccd-mpi: {}\n", error.what())};
+  }
+}
+
+/// Whether a rank stops; then the lowest of these prints, and `code` is the greatest.
+bool any_stops(distributed::MpiExchange& exchange, const std::optional<Stop>& stop, int& code) {
+  std::uint64_t values[] = {stop ? 1u : 0u, stop ? static_cast<std::uint64_t>(stop->code) : 0u};
+  auto lowest = static_cast<std::uint64_t>(stop ? exchange.rank() : exchange.size());
+  exchange.allreduce(values, distributed::Reduction::max);
+  exchange.allreduce({&lowest, 1}, distributed::Reduction::min);
+  if (stop && lowest == static_cast<std::uint64_t>(exchange.rank())) {
+    fmt::print("{}", stop->out);
+    fmt::print(stderr, "{}", stop->err);
+  }
+  code = static_cast<int>(values[1]);
+  return values[0] != 0;
+}
+
+/// Returns the exit code, the same on all ranks.
 int run(distributed::MpiExchange& exchange, int argc, char** argv) {
   const bool first = exchange.rank() == 0;
   if (!first) Progress::silence();
@@ -54,23 +94,15 @@ int run(distributed::MpiExchange& exchange, int argc, char** argv) {
   Options options;
   add_detect(app, options);
   use_help_formatter(app);
-  std::string problem;
+  int code = kDone;
+  if (any_stops(exchange, parse(app, argc, argv), code)) return code;
   try {
-    check_command_names(app, argc, argv);
-    app.parse(argc, argv);
     detect_on_ranks(exchange, options, options.report, registry);
     return kDone;
-  } catch (const CLI::ExtrasError&) {
-    problem = unexpected_arguments(app);
-  } catch (const CLI::ParseError& error) {
-    return (first ? app.exit(error) : error.get_exit_code()) == 0 ? kDone : kBadInput;
-  } catch (const ConfigError& error) {  // of the command line, the same on all ranks
-    problem = error.what();
   } catch (const distributed::RankError& error) {
-    problem = error.what();
+    if (first) fmt::print(stderr, "volccd-mpi: {}\n", error.what());
+    return std::string_view(error.what()).ends_with(kStoppedByUser) ? kInterrupted : kBadInput;
   }
-  if (first) fmt::print(stderr, "volccd-mpi: {}\n", problem);
-  return std::string_view(problem).ends_with(kStoppedByUser) ? kInterrupted : kBadInput;
 }
 
 }  // namespace
