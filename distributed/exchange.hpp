@@ -44,8 +44,8 @@ class Neighbourhood {
   std::vector<int> destinations_, sources_;
 };
 
-/// One rank's view of all ranks. Every operation is collective: all ranks call the same operations in the same order,
-/// and none returns before all have called. Ranks run on machines with the same representation of numbers.
+/// One rank's view of all ranks. Every operation is collective: all ranks call the same operations in the same order.
+/// Ranks run on machines with the same representation of numbers.
 ///
 /// If a rank cannot go on, the operations of the others do not return; whoever made the exchange ends them: with an
 /// exception (InProcessRanks), or by ending all processes (MpiExchange). run_on_all() reports an error to all ranks.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <numeric>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -28,59 +28,53 @@ int int_of(std::uint64_t bytes, const char* operation) {
   return static_cast<int>(bytes);
 }
 
-/// A communicator with the graph of a neighbourhood.
+/// Tags of messages: of neighbourhoods, and of connect(), alternately.
+constexpr int kMessage = 0, kConnect = 1;
+
 class Graph final : public Neighbourhood {
  public:
-  /// `order[i]`: position of sources()[i] among the neighbours of the communicator.
-  Graph(MPI_Comm communicator, std::vector<int> destinations, std::vector<int> sources, std::vector<int> order)
-      : Neighbourhood(std::move(destinations), std::move(sources)),
-        communicator_(communicator),
-        order_(std::move(order)) {}
-  ~Graph() override { MPI_Comm_free(&communicator_); }
-  Graph(const Graph&) = delete;
-  Graph& operator=(const Graph&) = delete;
+  Graph(MPI_Comm communicator, std::vector<int> destinations, std::vector<int> sources)
+      : Neighbourhood(std::move(destinations), std::move(sources)), communicator_(communicator) {}
 
+  /// Messages between two ranks do not overtake each other, and all ranks exchange in the same order, so that one tag
+  /// serves all neighbourhoods.
   std::vector<Bytes> exchange(std::vector<Bytes> messages) override {
-    std::vector<std::uint64_t> sent, sizes(sources().size() + 1);  // one more, so that the address is valid
-    for (const Bytes& message : messages) sent.push_back(message.size());
-    sent.push_back(0);
-    check(MPI_Neighbor_alltoall(sent.data(), 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, communicator_),
-          "MPI_Neighbor_alltoall");
-    std::vector<Bytes> received(sources().size());
-    for (std::size_t i = 0; i < received.size(); ++i) received[i].resize(sizes[i]);
-    alltoall(messages, received);
-    std::vector<Bytes> result;
-    for (const int i : order_) result.push_back(std::move(received[static_cast<std::size_t>(i)]));
-    return result;
+    std::vector<MPI_Request> sends(messages.size(), MPI_REQUEST_NULL);
+    for (std::size_t i = 0; i < messages.size(); ++i)
+      check(MPI_Isend(messages[i].data(), int_of(messages[i].size(), "MPI_Isend"), MPI_BYTE, destinations()[i],
+                      kMessage, communicator_, &sends[i]),
+            "MPI_Isend");
+    std::vector<Bytes> received;
+    for (const int source : sources()) received.push_back(receive(source));
+    check(MPI_Waitall(static_cast<int>(sends.size()), sends.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
+    return received;
   }
 
  private:
-  /// Buffers of messages, by absolute addresses.
-  struct Buffers {
-    explicit Buffers(std::vector<Bytes>& messages) : types(messages.size() + 1, MPI_BYTE) {
-      for (Bytes& message : messages) {
-        counts.push_back(int_of(message.size(), "MPI_Neighbor_alltoallw"));
-        check(MPI_Get_address(message.data(), &places.emplace_back()), "MPI_Get_address");
-      }
-      counts.push_back(0);
-      places.push_back(0);
-    }
-
-    std::vector<int> counts;
-    std::vector<MPI_Aint> places;
-    std::vector<MPI_Datatype> types;
-  };
-
-  void alltoall(std::vector<Bytes>& messages, std::vector<Bytes>& received) {
-    const Buffers to(messages), from(received);
-    check(MPI_Neighbor_alltoallw(MPI_BOTTOM, to.counts.data(), to.places.data(), to.types.data(), MPI_BOTTOM,
-                                 from.counts.data(), from.places.data(), from.types.data(), communicator_),
-          "MPI_Neighbor_alltoallw");
+  Bytes receive(int source) {
+    MPI_Message message = MPI_MESSAGE_NULL;
+    MPI_Status status;
+    check(MPI_Mprobe(source, kMessage, communicator_, &message, &status), "MPI_Mprobe");
+    int size = 0;
+    check(MPI_Get_count(&status, MPI_BYTE, &size), "MPI_Get_count");
+    Bytes bytes(static_cast<std::size_t>(size));
+    check(MPI_Mrecv(bytes.data(), size, MPI_BYTE, &message, MPI_STATUS_IGNORE), "MPI_Mrecv");
+    return bytes;
   }
 
   MPI_Comm communicator_;
-  std::vector<int> order_;
 };
+
+/// Receives an empty message with this tag from any rank, if there is one, and appends the rank.
+void receive_empty(MPI_Comm communicator, int tag, std::vector<int>& sources) {
+  MPI_Message message = MPI_MESSAGE_NULL;
+  MPI_Status status;
+  int there = 0;
+  check(MPI_Improbe(MPI_ANY_SOURCE, tag, communicator, &there, &message, &status), "MPI_Improbe");
+  if (there == 0) return;
+  check(MPI_Mrecv(nullptr, 0, MPI_BYTE, &message, MPI_STATUS_IGNORE), "MPI_Mrecv");
+  sources.push_back(status.MPI_SOURCE);
+}
 
 }  // namespace
 
@@ -95,30 +89,31 @@ MpiExchange::~MpiExchange() {
   if (communicator_ != MPI_COMM_NULL) MPI_Comm_free(&communicator_);
 }
 
+/// Sends an empty message to each destination. When all of them are received, which synchronous sends tell, the rank
+/// enters the barrier; when all ranks have entered it, no message is on its way.
 std::unique_ptr<Neighbourhood> MpiExchange::connect(std::vector<int> destinations) {
-  const int degree = static_cast<int>(destinations.size());
-  destinations.push_back(0);  // so that the address is valid
-  MPI_Comm graph = MPI_COMM_NULL;
-  check(MPI_Dist_graph_create(communicator_, 1, &rank_, &degree, destinations.data(), MPI_UNWEIGHTED, MPI_INFO_NULL, 0,
-                              &graph),
-        "MPI_Dist_graph_create");
-  check(MPI_Comm_set_errhandler(graph, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
-  int in = 0, out = 0, weighted = 0;
-  check(MPI_Dist_graph_neighbors_count(graph, &in, &out, &weighted), "MPI_Dist_graph_neighbors_count");
-  std::vector<int> from(static_cast<std::size_t>(in) + 1), to(static_cast<std::size_t>(out) + 1);
-  check(MPI_Dist_graph_neighbors(graph, in, from.data(), MPI_UNWEIGHTED, out, to.data(), MPI_UNWEIGHTED),
-        "MPI_Dist_graph_neighbors");
-  from.pop_back();
-  to.pop_back();
-  destinations.pop_back();
-  if (to != destinations) throw Error("MPI_Dist_graph_create: the destinations are in another order than given");
-  std::vector<int> order(from.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto source = [&](int i) { return from[static_cast<std::size_t>(i)]; };
-  std::ranges::sort(order, {}, source);
+  const int tag = kConnect + connections_;
+  connections_ ^= 1;
+  std::vector<MPI_Request> sends(destinations.size(), MPI_REQUEST_NULL);
+  for (std::size_t i = 0; i < destinations.size(); ++i)
+    check(MPI_Issend(nullptr, 0, MPI_BYTE, destinations[i], tag, communicator_, &sends[i]), "MPI_Issend");
   std::vector<int> sources;
-  for (const int i : order) sources.push_back(source(i));
-  return std::make_unique<Graph>(graph, std::move(destinations), std::move(sources), std::move(order));
+  MPI_Request barrier = MPI_REQUEST_NULL;
+  for (bool entered = false, done = false; !done;) {
+    receive_empty(communicator_, tag, sources);
+    int complete = 0;
+    if (entered) {
+      check(MPI_Test(&barrier, &complete, MPI_STATUS_IGNORE), "MPI_Test");
+      done = complete != 0;
+      continue;
+    }
+    check(MPI_Testall(static_cast<int>(sends.size()), sends.data(), &complete, MPI_STATUSES_IGNORE), "MPI_Testall");
+    if (complete == 0) continue;
+    check(MPI_Ibarrier(communicator_, &barrier), "MPI_Ibarrier");
+    entered = true;
+  }
+  std::ranges::sort(sources);
+  return std::make_unique<Graph>(communicator_, std::move(destinations), std::move(sources));
 }
 
 std::vector<Bytes> MpiExchange::allgather(Bytes bytes) {
