@@ -3,7 +3,6 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
-#include <exception>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -13,6 +12,7 @@
 #include <CLI/CLI.hpp>
 
 #include <volccd/distributed/agreement.hpp>
+#include <volccd/distributed/mpi/mpi_program.hpp>
 #include <volccd/io/build_facts.hpp>
 #include <volccd/io/hdf5/hdf5_messages.hpp>
 #include <volccd/paper2011/paper2011.hpp>
@@ -81,8 +81,7 @@ bool any_stops(distributed::MpiExchange& exchange, const std::optional<Stop>& st
 
 /// Returns the exit code, the same on all ranks.
 int run(distributed::MpiExchange& exchange, int argc, char** argv) {
-  const bool first = exchange.rank() == 0;
-  if (!first) Progress::silence();
+  if (exchange.rank() != 0) Progress::silence();
   Registry registry = Registry::standard();
   add_peers(registry);
   add_paper2011(registry);
@@ -98,40 +97,20 @@ int run(distributed::MpiExchange& exchange, int argc, char** argv) {
   if (any_stops(exchange, parse(app, argc, argv), code)) return code;
   try {
     detect_on_ranks(exchange, options, options.report, registry);
-    return kDone;
   } catch (const distributed::RankError& error) {
-    if (first) fmt::print(stderr, "volccd-mpi: {}\n", error.what());
-    return std::string_view(error.what()).ends_with(kStoppedByUser) ? kInterrupted : kBadInput;
+    if (!std::string_view(error.what()).ends_with(kStoppedByUser)) throw;
+    if (exchange.rank() == 0) fmt::print(stderr, "volccd-mpi: {}\n", error.what());
+    return kInterrupted;
   }
+  return kDone;
 }
 
 }  // namespace
 
-/// Ends all processes if an exception leaves one of them, so that the others do not wait for it.
-int run_or_abort(int argc, char** argv) {
-  try {
-    distributed::MpiExchange exchange(MPI_COMM_WORLD);
-    try {
-      return run(exchange, argc, argv);
-    } catch (const std::exception& error) {
-      fmt::print(stderr, "volccd-mpi: rank {} of {}: {}\n", exchange.rank(), exchange.size(),
-                 distributed::problem_of(error));
-      std::fflush(nullptr);
-      MPI_Abort(MPI_COMM_WORLD, kBadInput);
-    }
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "volccd-mpi: {}\n", error.what());
-    MPI_Abort(MPI_COMM_WORLD, kBadInput);
-  }
-  return kBadInput;
-}
-
 }  // namespace volccd
 
 int main(int argc, char** argv) {
-  int provided = 0;
-  if (MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided) != MPI_SUCCESS) return volccd::kBadInput;
-  const int code = volccd::run_or_abort(argc, argv);
-  MPI_Finalize();
-  return code;
+  return volccd::distributed::run_mpi_program(
+      "volccd-mpi", argc, argv,
+      [&](volccd::distributed::MpiExchange& exchange) { return volccd::run(exchange, argc, argv); });
 }

@@ -10,6 +10,7 @@
 
 #include <volccd/distributed/agreement.hpp>
 
+#include "distributed/exchange_checks.hpp"
 #include "distributed/rank_numbers.hpp"
 
 namespace volccd::distributed {
@@ -34,58 +35,21 @@ std::string error_of(int ranks, FunctionRef<void(Exchange&)> body) {
   return "no error";
 }
 
-TEST(InProcessRanks, ReduceAndGather) {
-  for (const int ranks : test::kRankNumbers)
-    InProcessRanks(ranks).run([&](Exchange& exchange) {
-      ASSERT_EQ(exchange.size(), ranks);
-      const auto mine = static_cast<std::uint64_t>(exchange.rank()), n = static_cast<std::uint64_t>(ranks);
-      std::uint64_t values[] = {mine, mine + 5};
-      exchange.allreduce(values, Reduction::sum);
-      EXPECT_EQ(values[0], n * (n - 1) / 2);
-      EXPECT_EQ(values[1], n * (n - 1) / 2 + 5 * n);
-      std::uint64_t least = mine + 3, greatest = mine + 3;
-      exchange.allreduce({&least, 1}, Reduction::min);
-      exchange.allreduce({&greatest, 1}, Reduction::max);
-      EXPECT_EQ(least, 3u);
-      EXPECT_EQ(greatest, n + 2);
-      const auto texts = exchange.allgather(to_bytes(std::string(mine % 3, 'a') + std::to_string(mine)));
-      for (std::size_t r = 0; r < n; ++r)
-        EXPECT_EQ(text_of(texts[r]), std::string(r % 3, 'a') + std::to_string(r));
-    });
+TEST(InProcessRanks, ReduceGatherAndSend) {
+  for (const int ranks : test::kRankNumbers) InProcessRanks(ranks).run([](Exchange& exchange) { test::check_exchange(exchange); });
 }
 
-/// Rank r sends to all ranks that r divides, itself included, and more than once along the same graph.
-TEST(InProcessRanks, NeighboursReceiveWhatIsSent) {
-  for (const int ranks : test::kRankNumbers) {
-    const auto sends = [](int from, int to) { return to % (from + 1) == 0; };
-    InProcessRanks in_process(ranks);
-    std::vector<std::unique_ptr<Neighbourhood>> graphs(static_cast<std::size_t>(ranks));
+/// In later runs, too.
+TEST(InProcessRanks, NeighbourhoodsStay) {
+  InProcessRanks in_process(5);
+  std::vector<std::unique_ptr<Neighbourhood>> graphs(5);
+  in_process.run([&](Exchange& exchange) {
+    graphs[static_cast<std::size_t>(exchange.rank())] = exchange.connect(test::destinations_of(exchange));
+  });
+  for (int run = 0; run < 2; ++run)
     in_process.run([&](Exchange& exchange) {
-      std::vector<int> destinations;
-      for (int r = 0; r < ranks; ++r)
-        if (sends(exchange.rank(), r)) destinations.push_back(r);
-      graphs[static_cast<std::size_t>(exchange.rank())] = exchange.connect(destinations);
+      test::check_neighbourhood(exchange, *graphs[static_cast<std::size_t>(exchange.rank())]);
     });
-    for (int run = 0; run < 2; ++run)
-      in_process.run([&](Exchange& exchange) {
-        Neighbourhood& graph = *graphs[static_cast<std::size_t>(exchange.rank())];
-        std::vector<int> sources;
-        for (int r = 0; r < ranks; ++r)
-          if (sends(r, exchange.rank())) sources.push_back(r);
-        ASSERT_EQ(std::vector(graph.sources().begin(), graph.sources().end()), sources);
-        for (int round = 0; round < 3; ++round) {
-          std::vector<Bytes> messages;
-          for (const int to : graph.destinations())
-            messages.push_back(to_bytes(std::string(static_cast<std::size_t>(to % 4), 'x') +
-                                                std::to_string(100 * exchange.rank() + round)));
-          const auto received = graph.exchange(std::move(messages));
-          ASSERT_EQ(received.size(), sources.size());
-          for (std::size_t i = 0; i < sources.size(); ++i)
-            EXPECT_EQ(text_of(received[i]), std::string(static_cast<std::size_t>(exchange.rank() % 4), 'x') +
-                                                        std::to_string(100 * sources[i] + round));
-        }
-      });
-  }
 }
 
 /// Between two operations no other rank computes, and ranks come in order.
