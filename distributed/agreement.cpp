@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-
 namespace volccd::distributed {
 
 RankError::RankError(int rank, int ranks, const std::string& where, const std::string& problem)

@@ -101,6 +101,7 @@ struct Detector::State {
   void check_step(const Motion& own, const Request& request);
   bool lists_hold(const Request& request) const;
   void make_lists(const Request& request);
+  void find_complete();
   void run(const Request& request);
   void take_result(const Request& request);
   void keep_first();
@@ -127,7 +128,8 @@ struct Detector::State {
   bool import_made = false;
   const Motion* motion = nullptr;  ///< of the piece, in this step
 
-  StepResult found;  ///< with slots of the piece
+  std::vector<std::uint8_t> complete;  ///< Step::complete of the piece
+  StepResult found;                    ///< with slots of the piece
   RankResult result;
   Motion straight;
 };
@@ -201,10 +203,16 @@ const RankResult& Detector::step(const Motion& own, const Request& request) {
   s.result = {};
   RankStatistics& rank = s.result.rank;
   const bool lists_before = std::exchange(s.lists_made, false);  // if this step fails, the next makes everything anew
-  s.home->make_boxes(own, s.config.separation, s.executor, s.boxes, rank.piece_seconds);
+  s.home->update(own);
   rank.bytes_received = s.home->bytes_received();
   std::uint64_t anew = 0;
-  run_on_all(s.exchange, "step", [&] { anew = lists_before && s.divided && s.lists_hold(request) ? 0 : 1; },
+  run_on_all(s.exchange, "step",
+             [&] {
+               StageClock clock;
+               const StageTimer timer(clock, rank.piece_seconds);
+               s.home->make_boxes(s.config.separation, s.executor, s.boxes);
+               anew = lists_before && s.divided && s.lists_hold(request) ? 0 : 1;
+             },
              {&anew, 1});
   if (anew != 0) s.make_lists(request);
   s.motion = &s.import.update(own);
@@ -290,8 +298,21 @@ void Detector::State::make_lists(const Request& request) {
 void Detector::State::run(const Request& request) {
   found = {};
   if (piece.empty()) return;
-  const Step step{piece.topology(), *motion, config.filter, config.separation};
+  find_complete();
+  Step step{piece.topology(), *motion, config.filter, config.separation};
+  step.complete = complete;
   pipeline->run(step, workspace, executor, found, request);
+}
+
+/// The piece has all elements at a vertex whose box meets the region, because their boxes contain it.
+void Detector::State::find_complete() {
+  complete.assign(motion->vertex_count(), 0);
+  for (Index v = 0; v < motion->vertex_count(); ++v) {
+    if (piece.owners()[v] == PieceMesh::kNoRank) continue;
+    Box box;
+    extend(box, *motion, {&v, 1}, motion->control_points());
+    complete[v] = region.meets(enlarged(box, config.separation)) ? 1 : 0;
+  }
 }
 
 /// What the pipeline found, with ids.

@@ -203,7 +203,12 @@ class Detection {
   }
 
   void run_ranks(const Topology& topology, const Motion& motion) {
-    ranks_->step(topology, motion, request_);
+    try {
+      ranks_->step(topology, motion, request_);
+    } catch (const distributed::RankError&) {
+      InterruptGuard::check();  // Ctrl-C ends a rank by an exception
+      throw;
+    }
     rank_sums_.resize(ranks_->statistics().size());
     for (std::size_t r = 0; r < rank_sums_.size(); ++r) rank_sums_[r] += ranks_->statistics()[r];
     elements_ += topology.mesh().element_count();

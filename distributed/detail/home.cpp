@@ -8,7 +8,6 @@
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/distributed/agreement.hpp>
 #include <volccd/mesh/check_element.hpp>
-#include <volccd/pipelines/stage_clock.hpp>
 
 namespace volccd::distributed::detail {
 
@@ -67,11 +66,8 @@ void Home::check_elements(Exchange& exchange) const {
   });
 }
 
-void Home::make_boxes(const Motion& own, double separation, Executor& executor, std::vector<Box>& boxes,
-                      double& seconds) {
-  const Motion& motion = import_.update(own);
-  StageClock clock;
-  const StageTimer timer(clock, seconds);
+void Home::make_boxes(double separation, Executor& executor, std::vector<Box>& boxes) const {
+  const Motion& motion = import_.motion();
   boxes.resize(elements_.size());
   executor.parallel_for(boxes.size(), kBoxes, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t i = begin; i < end; ++i) {

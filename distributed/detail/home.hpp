@@ -26,8 +26,10 @@ class Home {
   /// The owner of elements().vertices[i].
   int owner(std::size_t i) const { return owners_[corners_[i]]; }
 
-  /// Sets `boxes` to the swept boxes of the elements, enlarged by half the separation. Collective.
-  void make_boxes(const Motion& own, double separation, Executor& executor, std::vector<Box>& boxes, double& seconds);
+  /// The motion of the vertices of the elements. Collective.
+  void update(const Motion& own) { import_.update(own); }
+  /// Sets `boxes` to the swept boxes of the elements in the motion of the last update, enlarged by half the separation.
+  void make_boxes(double separation, Executor& executor, std::vector<Box>& boxes) const;
   std::uint64_t bytes_received() const { return import_.bytes_received(); }
 
  private:

@@ -23,6 +23,8 @@ class VertexImport {
   /// The motion of the wanted vertices, in their order; valid until the next call. `own`: of the vertices that this
   /// rank owns. Collective.
   const Motion& update(const Motion& own);
+  /// That of the last update.
+  const Motion& motion() const { return motion_; }
 
   std::uint64_t bytes_received() const { return bytes_received_; }  ///< by the last update
   std::size_t neighbours() const { return graph_ ? graph_->sources().size() : 0; }

@@ -36,7 +36,8 @@ std::string error_of(int ranks, FunctionRef<void(Exchange&)> body) {
 }
 
 TEST(InProcessRanks, ReduceGatherAndSend) {
-  for (const int ranks : test::kRankNumbers) InProcessRanks(ranks).run([](Exchange& exchange) { test::check_exchange(exchange); });
+  for (const int ranks : test::kRankNumbers)
+    InProcessRanks(ranks).run([](Exchange& exchange) { test::check_exchange(exchange); });
 }
 
 /// In later runs, too.
