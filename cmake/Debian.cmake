@@ -3,6 +3,7 @@
 #   volccd           the program, importer and plots
 #   libvolccd-dev    headers, libraries, CMake and pkg-config files, the component `program` included
 #   libvolccd-c      the shared library for C
+#   volccd-mpi       the program volccd-mpi, where MPI is there
 #   python3-volccd   the Python module, where it is built
 set(CPACK_PACKAGE_NAME volccd)
 set(CPACK_PACKAGE_CONTACT "The VolCCD authors <volccd@localhost>")
@@ -37,12 +38,19 @@ if(VOLCCD_BUILD_C)
   list(APPEND depends "libvolccd-c (= ${PROJECT_VERSION})")
 endif()
 if(BUILD_SHARED_LIBS)
+  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "volccd (= ${PROJECT_VERSION})")
   list(APPEND depends "volccd (= ${PROJECT_VERSION})")
 endif()
 list(JOIN depends ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libfcl-dev, libccd-dev, libpng-dev, zlib1g-dev, libcairo2-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
   "Headers and libraries: for solvers, and for projects with stages of their own (CMake component program).")
+
+set(CPACK_DEBIAN_MPI_PACKAGE_NAME volccd-mpi)
+set(CPACK_DEBIAN_MPI_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_MPI_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_MPI_PACKAGE_RECOMMENDS "openmpi-bin")
+set(CPACK_COMPONENT_MPI_DESCRIPTION "The program volccd-mpi: contacts by several processes.")
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-volccd)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

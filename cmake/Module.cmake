@@ -72,7 +72,7 @@ endfunction()
 # volccd_module(mesh [PUBLIC lib...] [PRIVATE lib...] [SOURCES file...]): library volccd_mesh of all sources in this folder and
 # below, exported as volccd::mesh with all headers outside of detail/ and what these include (InstallHeaders.cmake).
 # volccd_module(program COMPONENT program [HEADERS file...] ...): a part of the package's component `program`, whose users
-# alone need what it links. Of its headers, HEADERS and what these include are installed.
+# alone need what it links. Of its headers, HEADERS and what these include are installed. `mpi` is another component.
 # volccd_module(peers INTERNAL ...): not installed; only for private use by the program's executable and the tests.
 function(volccd_module name)
   cmake_parse_arguments(ARG "INTERNAL" "COMPONENT" "PUBLIC;PRIVATE;SOURCES;HEADERS" ${ARGN})
@@ -126,6 +126,10 @@ function(volccd_module name)
     endif()
     list(TRANSFORM ARG_HEADERS PREPEND "${folder}/")
     set_property(GLOBAL APPEND PROPERTY VOLCCD_HEADERS ${ARG_HEADERS})
+  elseif(ARG_COMPONENT STREQUAL "mpi")
+    install(TARGETS ${target} EXPORT volccdMpiTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
+    list(TRANSFORM ARG_HEADERS PREPEND "${folder}/")
+    set_property(GLOBAL APPEND PROPERTY VOLCCD_HEADERS ${ARG_HEADERS})
   else()
     install(TARGETS ${target} EXPORT volccdTargets
       ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
@@ -133,7 +137,7 @@ function(volccd_module name)
     set_property(GLOBAL APPEND PROPERTY VOLCCD_HEADER_FOLDERS ${folder})
     file(GLOB rooms LIST_DIRECTORIES ON RELATIVE "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}/*")
     foreach(room IN LISTS rooms)
-      if(IS_DIRECTORY "${CMAKE_SOURCE_DIR}/${room}" AND NOT room MATCHES "/(detail|tables)$"
+      if(IS_DIRECTORY "${CMAKE_SOURCE_DIR}/${room}" AND NOT room MATCHES "/(detail|tables|mpi)$"
          AND (VOLCCD_WITH_HDF5 OR NOT room MATCHES "^io/"))
         set_property(GLOBAL APPEND PROPERTY VOLCCD_HEADER_FOLDERS ${room})
       endif()

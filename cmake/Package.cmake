@@ -36,6 +36,13 @@ if(VOLCCD_BUILD_C)
   install(FILES "${CMAKE_BINARY_DIR}/cmake/volccd_c.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT dev)
 endif()
 
+if(VOLCCD_MPI)
+  install(EXPORT volccdMpiTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
+  if(VOLCCD_BUILD_PROGRAM)
+    install(TARGETS volccd_mpi_executable RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT mpi)
+  endif()
+endif()
+
 get_property(headers GLOBAL PROPERTY VOLCCD_HEADERS)
 get_property(folders GLOBAL PROPERTY VOLCCD_HEADER_FOLDERS)
 install(CODE "

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include <volccd/core/error.hpp>
+#include <volccd/distributed/detail/bytes.hpp>
+#include <volccd/distributed/detail/imbalance.hpp>
+#include <volccd/distributed/detail/lists.hpp>
 #include <volccd/distributed/piece_mesh.hpp>
 #include <volccd/distributed/region_filter.hpp>
 #include <volccd/pipelines/stage_clock.hpp>
@@ -17,20 +19,68 @@ namespace volccd::distributed {
 
 namespace {
 
-/// Elements whose boxes a worker computes in one go.
-constexpr std::size_t kBoxes = 1024;
-
 /// The registry with the filter of a region, and the pipeline with it as last filter.
 Pipeline make_pipeline(Registry registry, PipelineSpec spec, const Region& region) {
   registry.add(describe_region_filter(region));
   spec.feature_filters.push_back({"region"});
-  return Pipeline(registry, spec);
+  Pipeline pipeline(registry, spec);
+  if (pipeline.guarantee() == Guarantee::approximate)
+    throw ConfigError(
+        fmt::format("pipeline {} may lose contacts, and other ones on other numbers of ranks", spec.name));
+  return pipeline;
 }
 
-/// Finite, although a bound that a separation enlarges may be infinite.
-Vec3 centre(const Box& box) {
-  constexpr double kMax = std::numeric_limits<double>::max();
-  return box.low.cwiseMax(-kMax) / 2 + box.high.cwiseMin(kMax) / 2;
+void check_separation(double separation) {
+  if (!(separation >= 0) || !std::isfinite(separation))
+    throw ConfigError(fmt::format("separation: {} is not a finite number >= 0", separation));
+}
+
+void check_config(const Config& config) {
+  check_separation(config.separation);
+  if (!(config.skin >= 0) || !std::isfinite(config.skin))
+    throw ConfigError(fmt::format("skin: {} is not a finite number >= 0", config.skin));
+  if (std::isnan(config.max_imbalance)) throw ConfigError("max_imbalance: is not a number");
+}
+
+/// All that must be the same on all ranks, as text that users understand.
+std::string options_text(const Pipeline& pipeline, const Config& config) {
+  std::string text = "pipeline " + pipeline.spec().name;
+  for (const auto& [role, stage] : pipeline.spec().stages()) {
+    text += fmt::format(", {} {}", role, stage->name);
+    for (const auto& [name, value] : stage->options) text += fmt::format(" {}={}", name, value);
+  }
+  text += fmt::format("; separation {}; skin {}; max_imbalance {}; pairs {}", config.separation, config.skin,
+                      config.max_imbalance, static_cast<int>(config.filter.scope()));
+  for (const auto& [a, b] : config.filter.excluded()) text += fmt::format(" without {}-{}", a, b);
+  return text;
+}
+
+std::string request_text(const Motion& motion, double separation, const Request& request) {
+  return fmt::format("{} control points, separation {}, {}{}{}", motion.control_points(), separation,
+                     request.query == Query::first ? "first contact" : "all contacts",
+                     request.initial_overlaps ? ", initial overlaps" : "",
+                     request.leave_out_shell_neighbours ? ", without shell neighbours" : "");
+}
+
+void check_request(const Request& request) {
+  if (request.ends || request.tests || request.candidates || request.observer)
+    throw ConfigError("ends of contacts, given tests, candidates and observers are not supported on ranks");
+}
+
+RankContact to_rank_contact(const Contact& contact, const Mesh& mesh) {
+  RankContact result{.kind = contact.kind,
+                     .toi = contact.toi,
+                     .normal = contact.normal,
+                     .weights = contact.weights,
+                     .point = contact.point,
+                     .at_start = contact.at_start,
+                     .gap = contact.gap};
+  for (std::size_t i = 0; i < 4; ++i) result.vertices[i] = mesh.vertex_id(contact.vertices[i]);
+  for (std::size_t i = 0; i < 2; ++i) {
+    result.elements[i] = mesh.element_id(contact.elements[i]);
+    result.objects[i] = mesh.object(contact.elements[i]);
+  }
+  return result;
 }
 
 Box start_box(const Mesh& mesh, Index element, const Motion& motion) {
@@ -39,179 +89,299 @@ Box start_box(const Mesh& mesh, Index element, const Motion& motion) {
   return box;
 }
 
-void check_request(const Request& request, const Topology& topology, const Motion& motion) {
-  if (request.ends || request.tests || request.candidates || request.observer)
-    throw ConfigError("ranks: ends of contacts, given tests, candidates and observers are not supported");
-  const Index vertices = topology.mesh().vertex_count();
-  if (motion.vertex_count() != vertices)
-    throw InputError("step", "motion",
-                     fmt::format("moves {} vertices, the mesh has {}", motion.vertex_count(), vertices));
-  if (request.leave_out_shell_neighbours && vertices % 3 != 0)
-    throw ConfigError(fmt::format(
-        "shell neighbours can be left out of thickened shells only: the mesh has {} vertices, not three for each "
-        "vertex of a shell mesh",
-        vertices));
-}
-
 }  // namespace
 
-struct Detector::Rank {
-  Rank(const Registry& registry, const PipelineSpec& spec)
-      : pipeline(make_pipeline(registry, spec, region)), workspace(pipeline.make_workspace()) {}
+struct Detector::State {
+  State(Exchange& exchange_, const Config& config_)
+      : exchange(exchange_),
+        config(config_),
+        executor(config.executor ? *config.executor : serial_executor()),
+        imbalance(config.max_imbalance) {}
 
+  void check_step(const Motion& own, const Request& request);
+  bool lists_hold(const Request& request) const;
+  void make_lists(const Request& request);
+  void find_complete();
+  void run(const Request& request);
+  void take_result(const Request& request);
+  void keep_first();
+
+  Exchange& exchange;
+  Config config;
+  Executor& executor;
   Region region;  ///< the region filter refers to it
-  Pipeline pipeline;
+  std::optional<Pipeline> pipeline;
   Workspace workspace;
+
+  std::optional<detail::Home> home;  ///< empty before set_mesh()
+  Regions regions;
+  bool divided = false;  ///< whether `regions` are those of the ranks
+  detail::Imbalance imbalance;
+
+  std::vector<Box> boxes, kept_boxes;  ///< of the elements of this rank: in this step, and with the skin of the lists
+  std::uint64_t listed = 0;            ///< count_meetings() when the lists were made
+  bool lists_made = false;
+  std::uint64_t held = 0, copies = 0;  ///< elements in the list that this rank received
   PieceMesh piece;
-  std::vector<Index> elements;  ///< of this step: slots of the whole, ascending
+  PieceMesh::Config piece_config;
+  detail::VertexImport import;  ///< of the vertices of the piece
+  bool import_made = false;
+  const Motion* motion = nullptr;  ///< of the piece, in this step
+
+  std::vector<std::uint8_t> complete;  ///< Step::complete of the piece
+  StepResult found;                    ///< with slots of the piece
+  RankResult result;
+  Motion straight;
 };
 
-RankStatistics& RankStatistics::operator+=(const RankStatistics& other) {
-  elements += other.elements;
-  copies += other.copies;
-  tests += other.tests;
-  contacts += other.contacts;
-  seconds += other.seconds;
-  piece_seconds += other.piece_seconds;
-  return *this;
-}
-
-Detector::Detector(const Registry& registry, const PipelineSpec& spec, const Config& config)
-    : executor_(config.executor ? config.executor : &serial_executor()), filter_(config.filter) {
-  set_separation(config.separation);
-  if (config.ranks < 1) throw ConfigError(fmt::format("ranks: {}, but there must be one at least", config.ranks));
-  for (int r = 0; r < config.ranks; ++r) ranks_.push_back(std::make_unique<Rank>(registry, spec));
-  if (pipeline().guarantee() == Guarantee::approximate)
-    throw ConfigError(
-        fmt::format("ranks: pipeline {} may lose contacts, and other ones on other numbers of ranks", spec.name));
+Detector::Detector(Exchange& exchange, const Registry& registry, const PipelineSpec& spec, const Config& config)
+    : state_(std::make_unique<State>(exchange, config)) {
+  State& s = *state_;
+  run_on_all(exchange, "options", [&] {
+    check_config(config);
+    s.pipeline.emplace(make_pipeline(registry, spec, s.region));
+    s.workspace = s.pipeline->make_workspace();
+  });
+  require_same(exchange, "options", options_text(*s.pipeline, config));
 }
 
 Detector::~Detector() = default;
 Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
-const Pipeline& Detector::pipeline() const { return ranks_.front()->pipeline; }
+const RankResult& Detector::result() const { return state_->result; }
+const Regions& Detector::regions() const { return state_->regions; }
+const Pipeline& Detector::pipeline() const { return *state_->pipeline; }
+double Detector::separation() const { return state_->config.separation; }
 
 void Detector::set_separation(double separation) {
-  if (!(separation >= 0) || !std::isfinite(separation))
-    throw ConfigError(fmt::format("separation: {} is not a finite number >= 0", separation));
-  separation_ = separation;
+  check_separation(separation);
+  state_->config.separation = separation;
 }
 
-const StepResult& Detector::step(const Topology& topology, const Motion& motion, const Request& request) {
-  check_request(request, topology, motion);
-  make_boxes(topology, motion);
-  assign_elements(topology.mesh());
-  result_ = {};
-  for (std::size_t r = 0; r < ranks_.size(); ++r) {
-    run_rank(*ranks_[r], statistics_[r], topology, motion, request);
-    append(*ranks_[r], topology, motion);
-  }
-  finish(request);
-  return result_;
+void Detector::set_mesh(Elements elements, std::vector<std::int64_t> vertices, EdgeSet edge_set) {
+  detail::Home home(state_->exchange, std::move(elements), std::move(vertices), edge_set);
+  state_->home = std::move(home);
+  state_->lists_made = state_->import_made = false;
+  state_->piece.clear();
 }
 
-void Detector::make_boxes(const Topology& topology, const Motion& motion) {
-  const Mesh& mesh = topology.mesh();
-  boxes_.resize(mesh.element_slots());
-  executor_->parallel_for(boxes_.size(), kBoxes, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t o = begin; o < end; ++o) {
-      Box box;
-      extend(box, motion, mesh.vertices(static_cast<Index>(o)), motion.control_points());
-      boxes_[o] = enlarged(box, separation_);
+void Detector::edit(std::span<const std::int64_t> removed, std::span<const std::int64_t> new_vertices,
+                    const Elements& added) {
+  Elements elements;
+  std::vector<std::int64_t> vertices;
+  run_on_all(state_->exchange, "edit", [&] {
+    if (!state_->home) throw ConfigError("a mesh must be set before it is edited");
+    const Elements& present = state_->home->elements();
+    const detail::IdTable table(present.ids);
+    std::vector<char> gone(present.size(), 0);
+    for (std::size_t i = 0; i < removed.size(); ++i) {
+      const Index at = table.find(removed[i]);
+      if (at == kNone || gone[at] != 0)
+        throw InputError(
+            "edit", "removed", static_cast<std::int64_t>(i),
+            fmt::format("this rank has no element with id {}{}", removed[i], at == kNone ? "" : " any more"));
+      gone[at] = 1;
     }
+    for (std::size_t i = 0; i < present.size(); ++i)
+      if (gone[i] == 0) elements.add(present, i);
+    for (std::size_t i = 0; i < added.size(); ++i) elements.add(added, i);
+    vertices = state_->home->vertices();
+    vertices.insert(vertices.end(), new_vertices.begin(), new_vertices.end());
   });
+  set_mesh(std::move(elements), std::move(vertices), state_->home->edge_set());
 }
 
-/// Gives each element to the ranks whose regions its box meets, and makes the regions in the first step.
-void Detector::assign_elements(const Mesh& mesh) {
-  if (!divided_) {
-    std::vector<Vec3> centres;
-    for (Index o = 0; o < mesh.element_slots(); ++o)
-      if (mesh.is_live(o)) centres.push_back(centre(boxes_[o]));
-    regions_ = Regions(centres, std::vector<double>(centres.size(), 1), static_cast<int>(ranks_.size()));
-    for (std::size_t r = 0; r < ranks_.size(); ++r) ranks_[r]->region = regions_.region(static_cast<int>(r));
-    divided_ = true;
-  }
-  statistics_.assign(ranks_.size(), {});
-  for (const auto& rank : ranks_) rank->elements.clear();
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.is_live(o)) continue;
-    const int home = regions_.at(centre(boxes_[o]));
-    regions_.meeting(boxes_[o], [&](int r) {
-      ranks_[static_cast<std::size_t>(r)]->elements.push_back(o);
-      statistics_[static_cast<std::size_t>(r)].copies += r != home;
-    });
-  }
+const RankResult& Detector::step(std::span<const Vec3> x0, std::span<const Vec3> x1, const Request& request) {
+  run_on_all(state_->exchange, "step", [&] { state_->straight.set_linear(x0, x1); });
+  return step(state_->straight, request);
 }
 
-void Detector::run_rank(Rank& rank, RankStatistics& statistics, const Topology& topology, const Motion& motion,
-                        const Request& request) {
-  rank_result_ = {};
-  statistics.elements = rank.elements.size();
-  if (rank.elements.empty()) return;
-  const Motion* moved = nullptr;
+const RankResult& Detector::step(const Motion& own, const Request& request) {
+  State& s = *state_;
+  s.check_step(own, request);
+  s.result = {};
+  RankStatistics& rank = s.result.rank;
+  const bool lists_before = std::exchange(s.lists_made, false);  // if this step fails, the next makes everything anew
+  s.home->update(own);
+  rank.bytes_received = s.home->bytes_received();
+  std::uint64_t anew = 0;
+  run_on_all(s.exchange, "step",
+             [&] {
+               StageClock clock;
+               const StageTimer timer(clock, rank.piece_seconds);
+               s.home->make_boxes(s.config.separation, s.executor, s.boxes);
+               anew = lists_before && s.divided && s.lists_hold(request) ? 0 : 1;
+             },
+             {&anew, 1});
+  if (anew != 0) s.make_lists(request);
+  s.motion = &s.import.update(own);
+  rank.bytes_received += s.import.bytes_received();
+  rank.neighbours = s.import.neighbours();
+  rank.lists = anew;
+  run_on_all(s.exchange, "step", [&] { s.run(request); });
+  s.take_result(request);
+  if (request.query == Query::first) s.keep_first();
+  s.imbalance.add_step(s.exchange, rank.seconds, rank.elements);
+  s.lists_made = !s.imbalance.wants_cuts();
+  return s.result;
+}
+
+void Detector::State::check_step(const Motion& own, const Request& request) {
+  const std::string text = request_text(own, config.separation, request);
+  std::uint64_t hash = 0;
+  for (const char c : text) hash = hash * 1099511628211u + static_cast<unsigned char>(c);
+  std::uint64_t extremes[2] = {hash, ~hash};
+  run_on_all(
+      exchange, "step",
+      [&] {
+        check_request(request);
+        if (!home) throw ConfigError("a mesh must be set before the first step");
+        if (own.vertex_count() != home->vertices().size())
+          throw InputError(
+              "step", "motion",
+              fmt::format("moves {} vertices, this rank has {}", own.vertex_count(), home->vertices().size()));
+      },
+      extremes);
+  if (extremes[0] != ~extremes[1]) require_same(exchange, "request of a step", text);
+}
+
+/// Whether the lists have all elements that ranks need now, and not many more.
+bool Detector::State::lists_hold(const Request& request) const {
+  if (piece_config.vertex_group != (request.leave_out_shell_neighbours ? 3 : 1)) return false;
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    if (!((boxes[i].low.array() >= kept_boxes[i].low.array()).all() &&
+          (boxes[i].high.array() <= kept_boxes[i].high.array()).all()))
+      return false;
+  const std::uint64_t needed = detail::count_meetings(boxes, config.skin, regions);
+  return listed <= needed + needed / 4;
+}
+
+/// Divides space if that is due, gives elements to ranks, and makes the piece of this rank if the present one does not
+/// serve.
+void Detector::State::make_lists(const Request& request) {
+  double& seconds = result.rank.piece_seconds;
+  if (!divided || imbalance.wants_cuts()) {
+    const std::vector<double> density = divided ? imbalance.density(exchange) : std::vector<double>();
+    regions = detail::divide(exchange, boxes, regions, density);
+    region = regions.region(exchange.rank());
+    divided = true;
+    imbalance.cuts_made();
+  }
   {
     StageClock clock;
-    const StageTimer timer(clock, statistics.piece_seconds);
-    rank.piece.update(topology, rank.elements, request.leave_out_shell_neighbours ? 3 : 1, *executor_);
-    moved = &rank.piece.motion_of(motion);
+    const StageTimer timer(clock, seconds);
+    kept_boxes.resize(boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) kept_boxes[i] = detail::with_skin(boxes[i], config.skin);
+    listed = detail::count_meetings(boxes, config.skin, regions);
   }
-  const Step step{rank.piece.topology(), *moved, filter_, separation_};
-  rank.pipeline.run(step, rank.workspace, *executor_, rank_result_, request);
-  statistics.tests = rank_result_.statistics.tests();
-  statistics.contacts = rank_result_.contacts.size();
-  statistics.seconds = rank_result_.statistics.seconds;
+  const detail::ReceivedElements received = detail::distribute(exchange, *home, boxes, kept_boxes, regions, seconds);
+  held = received.elements.size();
+  copies = received.copies;
+  result.rank.bytes_received += received.bytes;
+  piece_config = {request.leave_out_shell_neighbours ? 3 : 1, home->edge_set()};
+  std::uint64_t changed = 0;
+  run_on_all(exchange, "step",
+             [&] {
+               StageClock clock;
+               const StageTimer timer(clock, seconds);
+               changed = piece.update(received.elements, received.owners, piece_config, executor) ? 1 : 0;
+             },
+             {&changed, 1});
+  if (changed == 0 && import_made) return;
+  import_made = false;
+  const std::span<const std::int64_t> wanted = piece.empty() ? std::span<const std::int64_t>() : piece.vertex_ids();
+  import = detail::VertexImport(exchange, wanted, piece.owners(), home->own());
+  import_made = true;
 }
 
-/// Appends what the rank found, with slots of the whole.
-void Detector::append(Rank& rank, const Topology& topology, const Motion& motion) {
-  if (rank.elements.empty()) return;
-  const PieceMesh& piece = rank.piece;
-  const Features& features = topology.features();
-  const auto append_contacts = [&](std::span<const Contact> found, std::vector<Contact>& all) {
-    for (Contact contact : found) {
-      for (Index& v : contact.vertices) v = piece.whole_vertex(v);
-      for (Index& o : contact.elements) o = piece.whole_element(o);
-      const auto& [a, b, c, d] = contact.vertices;
-      contact.features = contact.kind == FeatureKind::vf
-                             ? FeaturePair{a, features.find_triangle(b, c, d)}
-                             : FeaturePair{features.find_edge(a, b), features.find_edge(c, d)};
-      all.push_back(contact);
+void Detector::State::run(const Request& request) {
+  found = {};
+  if (piece.empty()) return;
+  find_complete();
+  Step step{piece.topology(), *motion, config.filter, config.separation};
+  step.complete = complete;
+  pipeline->run(step, workspace, executor, found, request);
+}
+
+/// The piece has all elements at a vertex whose box meets the region, because their boxes contain it.
+void Detector::State::find_complete() {
+  complete.assign(motion->vertex_count(), 0);
+  for (Index v = 0; v < motion->vertex_count(); ++v) {
+    if (piece.owners()[v] == PieceMesh::kNoRank) continue;
+    Box box;
+    extend(box, *motion, {&v, 1}, motion->control_points());
+    complete[v] = region.meets(enlarged(box, config.separation)) ? 1 : 0;
+  }
+}
+
+/// What the pipeline found, with ids.
+void Detector::State::take_result(const Request& request) {
+  result.statistics = std::move(found.statistics);
+  result.rank.elements = held;
+  result.rank.copies = copies;
+  result.rank.tests = result.statistics.tests();
+  result.rank.contacts = found.contacts.size();
+  result.rank.seconds = result.statistics.seconds;
+  if (piece.empty()) return;
+  const Mesh& mesh = piece.topology().mesh();
+  for (const Contact& contact : found.contacts) result.contacts.push_back(to_rank_contact(contact, mesh));
+  for (const Contact& contact : found.left_out) result.left_out.push_back(to_rank_contact(contact, mesh));
+  if (!request.initial_overlaps) return;
+  for (const ElementPair pair : found.initial_overlaps) {
+    const Vec3 point =
+        reference_point(start_box(mesh, pair.a, *motion).low, start_box(mesh, pair.b, *motion).low, config.separation);
+    if (!region.contains(point)) continue;
+    const auto [a, b] = std::minmax({mesh.element_id(pair.a), mesh.element_id(pair.b)});
+    result.initial_overlaps.push_back({a, b});
+  }
+  std::ranges::sort(result.initial_overlaps);
+}
+
+/// Leaves the earliest contact of all ranks, the first of equal ones in canonical order, on the rank that has it.
+void Detector::State::keep_first() {
+  const std::vector<Bytes> all = exchange.allgather(to_bytes(result.contacts));
+  std::optional<RankContact> first;
+  int rank = 0;
+  for (std::size_t r = 0; r < all.size(); ++r)
+    for (const RankContact& contact : contacts_of(all[r])) {
+      if (first && !(contact.toi != first->toi ? contact.toi < first->toi : canonical_less(contact, *first))) continue;
+      first = contact;
+      rank = static_cast<int>(r);
     }
-  };
-  append_contacts(rank_result_.contacts, result_.contacts);
-  append_contacts(rank_result_.left_out, result_.left_out);
-  for (const ElementPair pair : rank_result_.initial_overlaps) {
-    const auto [a, b] = std::minmax({piece.whole_element(pair.a), piece.whole_element(pair.b)});
-    const Mesh& mesh = topology.mesh();
-    const Vec3 point = reference_point(start_box(mesh, a, motion).low, start_box(mesh, b, motion).low, separation_);
-    if (rank.region.contains(point)) result_.initial_overlaps.push_back({a, b});
-  }
-  const std::size_t bytes = result_.statistics.workspace_bytes + rank_result_.statistics.workspace_bytes;
-  result_.statistics += rank_result_.statistics;
-  result_.statistics.workspace_bytes = bytes;
+  if (rank != exchange.rank()) result.contacts.clear();
 }
 
-/// Sets the order of the result, and the counts that are not sums of those of the ranks.
-void Detector::finish(const Request& request) {
-  const auto sort = [](std::vector<Contact>& contacts) {
-    std::ranges::sort(contacts, canonical_less);
-    if (std::ranges::adjacent_find(
-            contacts, [](const Contact& x, const Contact& y) { return !canonical_less(x, y); }) != contacts.end())
-      throw std::logic_error("two ranks found the same contact");
-  };
-  sort(result_.contacts);
-  sort(result_.left_out);
-  std::ranges::sort(result_.initial_overlaps);
-  if (request.query == Query::first && !result_.contacts.empty())
-    result_.contacts = {*std::ranges::min_element(result_.contacts, {}, &Contact::toi)};  // the first of equal ones
-  Statistics& statistics = result_.statistics;
-  statistics.steps = 1;
-  statistics.contacts = result_.contacts.size();
-  statistics.contacts_at_start =
-      static_cast<std::uint64_t>(std::ranges::count_if(result_.contacts, &Contact::at_start));
-  statistics.initial_overlaps = result_.initial_overlaps.size();
+std::vector<RankContact> Detector::to_owners() {
+  State& s = *state_;
+  std::vector<std::vector<RankContact>> by_rank(static_cast<std::size_t>(s.exchange.size()));
+  run_on_all(s.exchange, "to_owners", [&] {
+    for (const RankContact& contact : s.result.contacts) {
+      std::vector<int> ranks;
+      for (const std::int64_t id : contact.vertices) {
+        const auto ids = s.piece.vertex_ids();
+        ranks.push_back(s.piece.owners()[static_cast<std::size_t>(std::ranges::lower_bound(ids, id) - ids.begin())]);
+      }
+      std::ranges::sort(ranks);
+      ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
+      for (const int r : ranks) by_rank[static_cast<std::size_t>(r)].push_back(contact);
+    }
+  });
+  std::vector<int> destinations;
+  std::vector<Bytes> messages;
+  for (std::size_t r = 0; r < by_rank.size(); ++r) {
+    if (by_rank[r].empty()) continue;
+    destinations.push_back(static_cast<int>(r));
+    messages.push_back(to_bytes(by_rank[r]));
+  }
+  const auto graph = s.exchange.connect(std::move(destinations));
+  std::vector<RankContact> result;
+  for (const Bytes& bytes : graph->exchange(std::move(messages))) {
+    const std::vector<RankContact> contacts = contacts_of(bytes);
+    result.insert(result.end(), contacts.begin(), contacts.end());
+  }
+  std::ranges::sort(result, [](const RankContact& x, const RankContact& y) { return canonical_less(x, y); });
+  return result;
 }
 
 }  // namespace volccd::distributed

@@ -1,101 +1,97 @@
-// Contacts by several ranks, each with its own part of the mesh: the same as those of the whole mesh.
+// Contacts by several ranks, each with its own part of the mesh: one rank's side.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include <volccd/distributed/agreement.hpp>
+#include <volccd/distributed/elements.hpp>
+#include <volccd/distributed/exchange.hpp>
 #include <volccd/distributed/regions.hpp>
+#include <volccd/distributed/result.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 namespace volccd::distributed {
 
+/// The same on all ranks, except for the executor.
 struct Config {
-  /// Number of ranks, > 0; more than there are elements are allowed.
-  int ranks = 1;
-  /// Runs the ranks, one after another, each on all workers; must outlive the Detector. Null: the calling thread.
+  /// Runs the work of this rank, and must outlive the Detector. Null: the calling thread.
   Executor* executor = nullptr;
   /// Distance at which features are in contact, in the unit of the coordinates; finite, >= 0. 0: when they touch.
   double separation = 0;
   /// The pairs of objects whose contacts are found.
   ObjectFilter filter = {};
+  /// Lists of elements are made with boxes that are greater by this part of their longest side on each side, and are
+  /// kept while no box leaves its greater one; finite, >= 0. Greater: fewer new lists, more elements on each rank.
+  double skin = 0.2;
+  /// Regions are divided anew after steps in which the slowest rank took more than this many times the mean of all,
+  /// first after three such steps, then after twice as many each time. Infinity: regions stay.
+  double max_imbalance = 1.2;
 };
 
-/// What a rank did in a step, or in several.
-struct RankStatistics {
-  std::uint64_t elements = 0;  ///< elements that it held
-  std::uint64_t copies = 0;    ///< those among them whose centre is in the region of another rank
-  std::uint64_t tests = 0;     ///< elementary tests that it performed
-  std::uint64_t contacts = 0;  ///< contacts that it found, all of which are its own
-  double seconds = 0;          ///< wall-clock time of its pipeline
-  double piece_seconds = 0;    ///< wall-clock time to make its piece of the mesh and of the motion
-
-  RankStatistics& operator+=(const RankStatistics& other);
-};
-
-/// Runs a pipeline on several ranks, all of them in this process. The first step divides space into regions
-/// (Regions, by the centres of the swept boxes of the elements, each of weight 1), which stay. In each step, a rank
-/// holds the elements whose swept boxes, enlarged by half the separation, meet its region (PieceMesh). It runs the
-/// pipeline on these as on any mesh, with a RegionFilter as last feature filter and with its workspace of the steps
-/// before.
+/// One of several ranks, each of which gives some elements of a mesh and the positions of some of its vertices. Ranks
+/// divide space into regions. Each receives the elements whose swept boxes, enlarged by half the separation, meet its
+/// region, and runs the pipeline on them, with a RegionFilter as last feature filter. Contacts and initial overlaps of
+/// all ranks together, each found once, are those of a StepRunner with the same pipeline on the whole mesh bit for bit,
+/// for any number of ranks and any distribution of elements and vertices (docs/distributed.md), if the pipeline's
+/// guarantee is `exact` or `conservative`, and but for undecided tests: these are contacts only where they are
+/// performed, and which of them are performed may depend on the ranks. With `inclusion.undecided=exact`, or a
+/// separation, `inclusion` leaves none of them open.
 ///
-/// Contacts and initial overlaps are those of a StepRunner with the same pipeline on the whole mesh, bit for bit and in
-/// the same order, for any number of ranks (docs/distributed.md), if the pipeline's guarantee is `exact` or
-/// `conservative`, and but for undecided tests: these are contacts only where they are performed, and which of them are
-/// performed may depend on the number of ranks. With `inclusion.undecided=exact`, or a separation, `inclusion` leaves
-/// none of them open.
+/// All members that are said to be collective are called by all ranks in the same order. What they throw is a RankError
+/// with the same text on all ranks, if a rank finds an error in its data or cannot go on; the ranks can then call
+/// again. After an exception the result is unspecified, and the next step makes everything anew. If an exception leaves
+/// a rank in another way, the program has to end the others (Exchange).
 ///
-/// One thread at a time. After an exception from step() result() is unspecified, and the next step is as good as any.
+/// A rank may have no elements, no vertices, or neither. One thread at a time.
 class Detector {
  public:
-  /// Throws ConfigError for less than one rank, for an unknown stage or option, for an invalid separation, and for a
-  /// pipeline whose guarantee is `approximate`. The registry is not used later.
-  Detector(const Registry& registry, const PipelineSpec& spec, const Config& config);
+  /// Collective. Throws a RankError for an unknown stage or option, an invalid number in the configuration, a pipeline
+  /// whose guarantee is `approximate`, and for pipelines or configurations that are not the same on all ranks. The
+  /// exchange must outlive the detector; the registry is not used later.
+  Detector(Exchange& exchange, const Registry& registry, const PipelineSpec& spec, const Config& config = {});
   ~Detector();
   Detector(Detector&&) noexcept;
   Detector& operator=(Detector&&) noexcept;
 
-  /// The step of all ranks: `motion` has the control points of all vertices of the topology. Slots in the result are
-  /// those of the topology. Counts and times in its statistics are the sums of all ranks; `steps` is 1. Query::first is
-  /// supported: ranks find their earliest contacts, of which the earliest is returned.
-  ///
-  /// Throws ConfigError if the request has ends, tests, candidates or an observer, and the exceptions of Pipeline::run.
-  /// O(elements log ranks + copies) besides the pipelines; pieces that change are built anew.
-  const StepResult& step(const Topology& topology, const Motion& motion, const Request& request = {});
+  /// Sets the mesh: the elements of this rank, and the ids of the vertices whose positions it will give. Together the
+  /// ranks give each element once, each vertex once, and all vertices of the elements. Collective. Throws a RankError
+  /// for an id that is given twice, which names both ranks, a vertex that no rank gives, and an element that is not
+  /// valid (Mesh::add_element). Expected time O(elements + vertices of this rank).
+  void set_mesh(Elements elements, std::vector<std::int64_t> vertices, EdgeSet edge_set = EdgeSet::triangulated);
 
-  /// The result of the last step; valid until the next one.
-  const StepResult& result() const { return result_; }
-  /// By rank, of the last step.
-  std::span<const RankStatistics> statistics() const { return statistics_; }
-  /// All of space for rank 0 before the first step.
-  const Regions& regions() const { return regions_; }
-  /// The pipeline of each rank: the given one and the region filter.
+  /// Removes elements of this rank by their ids, appends vertices, adds elements. As set_mesh() with the result, and
+  /// takes its time. After an exception the mesh is unchanged.
+  void edit(std::span<const std::int64_t> removed, std::span<const std::int64_t> new_vertices, const Elements& added);
+
+  /// The contacts of a motion. `own`: control points of this rank's vertices, in the order in which it gave them; the
+  /// number of control points, the separation and the request are the same on all ranks. Query::first: only one rank
+  /// has a contact, the earliest of all. Collective. Throws a RankError if set_mesh() has not been called, if the
+  /// motion has another number of vertices, if the request has ends, tests, candidates or an observer, for the
+  /// exceptions of Pipeline::run, and if shell neighbours are to be left out (the vertices of a shell vertex then have
+  /// the ids 3 i, 3 i + 1 and 3 i + 2). The result is valid until the next step.
+  const RankResult& step(const Motion& own, const Request& request = {});
+  /// The same on straight lines. Throws a RankError also for a position that is not finite.
+  const RankResult& step(std::span<const Vec3> x0, std::span<const Vec3> x1, const Request& request = {});
+
+  /// All contacts of the last step that have a vertex of this rank, in canonical order. Collective.
+  std::vector<RankContact> to_owners();
+
+  /// The result of the last step of this rank.
+  const RankResult& result() const;
+  /// The same on all ranks. All of space for rank 0 before the first step.
+  const Regions& regions() const;
+  /// The given pipeline with the region filter.
   const Pipeline& pipeline() const;
-  double separation() const { return separation_; }
-  /// Holds from the next step on. Throws ConfigError if the value is negative or not finite.
+  double separation() const;
+  /// Holds from the next step on; the same on all ranks. Throws ConfigError if the value is negative or not finite.
   void set_separation(double separation);
 
  private:
-  struct Rank;
-
-  void make_boxes(const Topology& topology, const Motion& motion);
-  void assign_elements(const Mesh& mesh);
-  void run_rank(Rank& rank, RankStatistics& statistics, const Topology& topology, const Motion& motion,
-                const Request& request);
-  void append(Rank& rank, const Topology& topology, const Motion& motion);
-  void finish(const Request& request);
-
-  Executor* executor_;
-  double separation_ = 0;
-  ObjectFilter filter_;
-  Regions regions_;
-  bool divided_ = false;  ///< whether regions_ are those of the ranks
-  std::vector<std::unique_ptr<Rank>> ranks_;
-  std::vector<Box> boxes_;  ///< by element slot, of this step
-  StepResult result_, rank_result_;
-  std::vector<RankStatistics> statistics_;
+  struct State;
+  std::unique_ptr<State> state_;  ///< null only in an object that was moved from
 };
 
 }  // namespace volccd::distributed

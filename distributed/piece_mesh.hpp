@@ -1,43 +1,55 @@
 // The part of a mesh that a rank holds, as a mesh of its own.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include <volccd/distributed/elements.hpp>
 #include <volccd/mesh/topology.hpp>
-#include <volccd/query/motion.hpp>
 
 namespace volccd::distributed {
 
-/// Some elements of a mesh, the whole, with all their vertices. Vertices and elements keep their ids, and vertex slots
-/// are ascending with those of the whole, so that features, the order of vertices in a test, and contacts are those of
-/// the whole. Nothing is kept of the whole but slots, which its edits make invalid.
+/// Some elements of a mesh with all their vertices. Vertices and elements have their ids, and vertex slots ascend with
+/// the ids, as in the whole mesh, so that features, the order of vertices in a test, and contacts are those of the
+/// whole.
 class PieceMesh {
  public:
-  /// Makes this the piece of the given elements, which are slots of live ones, ascending. The present piece remains if
-  /// the whole has not been edited since, and if it contains the elements and at most a quarter more. `vertex_group`:
-  /// the vertices of the whole come in groups of this many consecutive slots, of which the piece holds all or none (3
-  /// for the solid meshes of thickened shells, otherwise 1). Expected time O(elements + vertices of the whole).
-  void update(const Topology& whole, std::span<const Index> elements, Index vertex_group, Executor& executor);
+  /// What the vertices of the mesh are, besides corners of elements.
+  struct Config {
+    /// Vertices come in groups: those whose ids, divided by this and rounded down, are the same. The piece holds all or
+    /// none of a group (3 for the solid meshes of thickened shells, otherwise 1).
+    std::int64_t vertex_group = 1;
+    EdgeSet edge_set = EdgeSet::triangulated;
 
-  /// Pre, here and below: update() was called.
+    friend bool operator==(const Config&, const Config&) = default;
+  };
+
+  /// Makes this the piece of the given elements, with the owning rank of each of elements.vertices. Returns false if
+  /// the present piece remains: if it was made with the same configuration, and contains the elements and at most a
+  /// quarter more. Elements with the same id must be the same since the last clear(). Expected time O(elements).
+  bool update(const Elements& elements, std::span<const int> owners, const Config& config, Executor& executor);
+  /// The next update makes a new piece.
+  void clear() { topology_.reset(), ids_.clear(), owners_.clear(); }
+
+  bool empty() const { return ids_.empty(); }
+  /// Pre, here and below: not empty.
   const Topology& topology() const { return *topology_; }
-  /// The motion of the vertices of the piece. Valid until the next call. O(vertices of the piece).
-  const Motion& motion_of(const Motion& whole);
+  /// Ids of the vertices, ascending, and the owner of each: kNoRank for one that completes a group, if no element of
+  /// the piece uses it.
+  std::span<const std::int64_t> vertex_ids() const;
+  std::span<const int> owners() const { return owners_; }
 
-  /// Slots in the whole.
-  Index whole_vertex(Index v) const { return vertices_[v]; }
-  Index whole_element(Index o) const { return elements_[o]; }
+  static constexpr int kNoRank = -1;
 
  private:
-  void build(const Topology& whole, Executor& executor);
+  void build(const Elements& elements, std::span<const int> owners, Executor& executor);
 
-  std::vector<Index> elements_, vertices_;  ///< of the piece, by slot: slots of the whole, ascending
+  Config config_;
+  std::vector<std::int64_t> ids_;  ///< of the elements, ascending
+  std::vector<int> owners_;        ///< by vertex slot
   std::optional<Topology> topology_;
-  std::uint64_t whole_version_ = 0;
-  Index vertex_group_ = 0;
-  Motion motion_;
 };
 
 }  // namespace volccd::distributed

@@ -19,6 +19,12 @@ struct Region {
     for (int i = 0; i < 3; ++i) inside = inside && low[i] <= p[i] && p[i] < high[i];
     return inside;
   }
+  /// Whether it has a common point with the box, which is not empty.
+  bool meets(const Box& box) const {
+    bool common = true;
+    for (int i = 0; i < 3; ++i) common = common && box.low[i] < high[i] && low[i] <= box.high[i];
+    return common;
+  }
 };
 
 /// A k-d tree of cuts that divides space into regions, at most one for each rank. Each finite point is in exactly one

@@ -54,17 +54,21 @@ ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh) {
 struct ContactsCsvWriter::Impl {
   explicit Impl(const std::string& name) : lines(name, kHeader) {}
 
-  void append(const ContactRow& row);
-
   StepTextWriter lines;
   std::vector<ContactRow> rows;
   std::string text;  ///< of a step
 };
 
-void ContactsCsvWriter::Impl::append(const ContactRow& row) {
+std::string contacts_csv_header() {
+  std::string header(kHeader);
+  header.push_back('\n');
+  return header;
+}
+
+void append_csv_row(const ContactRow& row, const std::string& file, std::string& text) {
   const Vec3 &n = row.normal, &p = row.point;
   if (!std::isfinite(row.toi) || !n.allFinite() || !p.allFinite())
-    throw InputError(lines.file(), "", "a contact of step " + std::to_string(row.step) + " is not finite");
+    throw InputError(file, "", "a contact of step " + std::to_string(row.step) + " is not finite");
   text += std::to_string(row.step) + (row.kind == FeatureKind::vf ? ",VF" : ",EE");
   for (const std::int64_t id : row.ids) text += "," + std::to_string(id);
   for (const double value : {row.toi, n.x(), n.y(), n.z(), p.x(), p.y(), p.z()}) {
@@ -90,7 +94,7 @@ void ContactsCsvWriter::write_step(int step, std::span<const Contact> contacts, 
   std::sort(o.rows.begin(), o.rows.end(),
             [](const ContactRow& x, const ContactRow& y) { return canonical_less(x, y); });
   o.text.clear();
-  for (const ContactRow& row : o.rows) o.append(row);
+  for (const ContactRow& row : o.rows) append_csv_row(row, o.lines.file(), o.text);
   o.lines.write_step(step, o.text);
 }
 

@@ -44,6 +44,11 @@ bool canonical_less(const ContactRow& x, const ContactRow& y);
 /// The row of a contact in motion `step`.
 ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh);
 
+/// The first line of the file, and a row of it, both with the end of the line. Throws InputError that names `file` for a
+/// number that is not finite.
+std::string contacts_csv_header();
+void append_csv_row(const ContactRow& row, const std::string& file, std::string& text);
+
 /// Writes the file step by step, with the rows of each step in canonical order. Behaves as StepTextWriter; also throws
 /// InputError for a number that is not finite.
 class ContactsCsvWriter {

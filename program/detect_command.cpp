@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <volccd/distributed/detector.hpp>
+#include <volccd/distributed/in_process_detector.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/io/contact_features.hpp>
 #include <volccd/io/contacts_csv.hpp>
@@ -18,6 +18,7 @@
 #include <volccd/io/stats_json.hpp>
 #include <volccd/pipelines/step_runner.hpp>
 #include <volccd/program/commands.hpp>
+#include <volccd/program/contact_query_options.hpp>
 #include <volccd/program/output_plan.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
@@ -30,15 +31,10 @@ namespace volccd {
 
 namespace {
 
-struct DetectOptions {
-  SequenceOptions sequence;
-  QueryOptions query;
+struct DetectOptions : ContactQueryOptions {
   ReportOptions report;
-  std::string pipeline = "VolCCD+", contacts, vtk, overlaps, stats;
-  std::vector<std::string> settings;
-  std::string lists;
+  std::string vtk, stats, lists;
   int substeps = 1;
-  bool first = false;
   std::optional<int> ranks;
 
   ListConfig list_config() const;
@@ -110,19 +106,16 @@ class Detection {
   Detection(const DetectOptions& options, const Registry& registry)
       : options_(options),
         executor_(make_interruptible_executor(options.query.threads)),
-        runner_(Pipeline(registry, registry.pipeline(options.pipeline, options.settings)),
+        runner_(Pipeline(registry, options.spec(registry)),
                 {.executor = executor_.get(), .filter = options.query.filter(), .lists = options.list_config()}),
         reader_(options.sequence.file),
         stepper_(reader_, options.sequence.stepper()),
         range_(parse_steps(options.sequence.steps, stepper_.step_count(), options.sequence.file)),
-        request_{.query = options.first ? Query::first : Query::all,
-                 .initial_overlaps = !options.overlaps.empty(),
-                 .leave_out_shell_neighbours = options.query.leaves_out_shell_neighbours(options.sequence)} {
+        request_(options.request()) {
     options.check_ranks();
     if (options.ranks)
-      ranks_.emplace(
-          registry, registry.pipeline(options.pipeline, options.settings),
-          distributed::Config{.ranks = *options.ranks, .executor = executor_.get(), .filter = options.query.filter()});
+      ranks_.emplace(*options.ranks, registry, options.spec(registry),
+                     distributed::Config{.executor = executor_.get(), .filter = options.query.filter(), .skin = 0});
     if (range_.end > std::numeric_limits<int>::max() / options.substeps)
       throw ConfigError(fmt::format("--substeps: {} substeps of {} motions are more than can be numbered",
                                     options.substeps, range_.end));
@@ -220,7 +213,12 @@ class Detection {
   }
 
   void run_ranks(const Topology& topology, const Motion& motion) {
-    ranks_->step(topology, motion, request_);
+    try {
+      ranks_->step(topology, motion, request_);
+    } catch (const distributed::RankError&) {
+      InterruptGuard::check();  // Ctrl-C ends a rank by an exception
+      throw;
+    }
     rank_sums_.resize(ranks_->statistics().size());
     for (std::size_t r = 0; r < rank_sums_.size(); ++r) rank_sums_[r] += ranks_->statistics()[r];
     elements_ += topology.mesh().element_count();
@@ -378,7 +376,7 @@ class Detection {
   const DetectOptions& options_;
   std::unique_ptr<Executor> executor_;
   StepRunner runner_;
-  std::optional<distributed::Detector> ranks_;  ///< in place of the runner
+  std::optional<distributed::InProcessDetector> ranks_;  ///< in place of the runner
   std::vector<distributed::RankStatistics> rank_sums_;
   std::uint64_t elements_ = 0;  ///< of the mesh, in all steps on ranks
   SequenceReader reader_;
@@ -404,20 +402,11 @@ class Detection {
 void add_detect_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command = app.add_subcommand("detect", "contacts of the steps in a sequence");
   const auto options = std::make_shared<DetectOptions>();
-  options->sequence.add_to(*command);
-  command->add_option("--pipeline", options->pipeline, "see `volccd stages`")->type_name("NAME")->capture_default_str();
-  command->add_option("--set", options->settings, "stage.option=value, or role=stage[,stage...]; may be repeated")
-      ->type_name("X=Y")
-      ->allow_extra_args(false);
-  command->add_option("--contacts", options->contacts, "write the contacts as CSV")->type_name("FILE");
+  options->add_to(*command);
   command
       ->add_option("--vtk", options->vtk,
                    "for ParaView: F.vtp has a point for each contact, with normals, times, kinds, objects; F.pvd is a series "
                    "of the features in contact at the end of each step, in F_0000.vtp, ...")
-      ->type_name("FILE");
-  command
-      ->add_option("--overlaps", options->overlaps,
-                   "also find the elements that overlap at the start of a step, and write them as CSV")
       ->type_name("FILE");
   command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
   command
@@ -438,9 +427,6 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
                    "mesh; the contacts are the same")
       ->type_name("N")
       ->check(CLI::Range(1, 4096));
-  command->add_flag("--first", options->first, "find only the earliest contact of each step, which is faster");
-  options->query.add_to(*command);
-  options->sequence.add_parts_to(*command);
   options->report.add_to(*command);
   command->footer(
       "FILE of an output: with `-` or /dev/stdout, the output goes to the standard output, and the tables go to "

@@ -19,14 +19,17 @@ std::vector<std::string> row_of(const std::string& title, const distributed::Ran
           grouped(rank.tests),
           grouped(rank.contacts),
           fmt::format("{:.2f}", 1e3 * rank.seconds),
-          fmt::format("{:.2f}", 1e3 * rank.piece_seconds)};
+          fmt::format("{:.2f}", 1e3 * rank.piece_seconds),
+          grouped(rank.bytes_received),
+          grouped(rank.neighbours)};
 }
 
 }  // namespace
 
 std::string rank_table(std::span<const distributed::RankStatistics> ranks, std::uint64_t elements,
                        std::size_t width) {
-  TextTable table({"rank", "elements", "copies", "tests", "contacts", "time [ms]", "pieces [ms]"});
+  TextTable table(
+      {"rank", "elements", "copies", "tests", "contacts", "time [ms]", "pieces [ms]", "bytes received", "neighbours"});
   distributed::RankStatistics all;
   double slowest = 0;
   for (std::size_t r = 0; r < ranks.size(); ++r) {
@@ -50,7 +53,10 @@ nlohmann::json rank_json(std::span<const distributed::RankStatistics> ranks) {
                     {"tests", rank.tests},
                     {"contacts", rank.contacts},
                     {"seconds", rank.seconds},
-                    {"piece_seconds", rank.piece_seconds}});
+                    {"piece_seconds", rank.piece_seconds},
+                    {"lists", rank.lists},
+                    {"bytes_received", rank.bytes_received},
+                    {"neighbours", rank.neighbours}});
   return rows;
 }
 

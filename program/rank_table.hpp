@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include <volccd/distributed/detector.hpp>
+#include <volccd/distributed/result.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 
 namespace volccd {

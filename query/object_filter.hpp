@@ -39,6 +39,8 @@ class ObjectFilter {
   bool trivial() const { return scope_ == PairScope::all && excluded_.empty(); }
 
   PairScope scope() const { return scope_; }
+  /// The excluded pairs, the smaller object first, ascending.
+  const std::set<std::pair<std::int32_t, std::int32_t>>& excluded() const { return excluded_; }
 
   /// Whether a broad phase may drop the element pair, by the rule above.
   bool drops(const Topology& topology, ElementPair pair) const;

@@ -1,6 +1,9 @@
 // One query, as all stages see it.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include <volccd/mesh/topology.hpp>
 #include <volccd/query/motion.hpp>
 #include <volccd/query/object_filter.hpp>
@@ -27,6 +30,13 @@ struct Step {
   double t_max = 1;
   /// Which element pairs sources of work hand out. A pipeline sets it, whatever its caller has given.
   PairRange range = PairRange::every;
+  /// By vertex, for a topology that is a part of a mesh: not 0 only if the part has all elements of the mesh at the
+  /// vertex. Empty: it has all of them. A stage that leaves a step to others because of a share of the elements or
+  /// vertices takes that share of complete vertices, and of elements all of whose vertices are complete; results do not
+  /// depend on it.
+  std::span<const std::uint8_t> complete = {};
+
+  bool is_complete(Index v) const { return complete.empty() || complete[v] != 0; }
 
   const Mesh& mesh() const { return topology.mesh(); }
   const Features& features() const { return topology.features(); }

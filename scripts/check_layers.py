@@ -39,6 +39,7 @@ module("culling", "query")
 module("narrowphase", "query")
 module("pipelines", "broadphase", "culling", "narrowphase")
 module("distributed", "pipelines")
+module("distributed/mpi", "distributed")
 module("io", "pipelines")
 module("capi", "pipelines")
 module("paper2011", "io")
@@ -51,6 +52,7 @@ module("experiments", "io", "paper2011", "simulation", "oracle/judge")
 module("pictures", "experiments")
 module("report", "pictures")
 module("program", "report", "peers", "distributed")
+module("program/volccd_mpi", "program", "distributed/mpi")
 
 # The rooms of a module, from the lowest to the highest; "" is the module's own folder with its detail/. A room includes
 # only what is not above it.
@@ -63,7 +65,7 @@ ROOMS = {
 MAX_DETAIL_FILES = 12
 
 PROGRAM = ["paper2011", "peers", "oracle", "oracle/cases", "oracle/judge", "simulation", "experiments", "pictures", "report",
-           "program"]
+           "program", "program/volccd_mpi"]
 # `capi` stores messages of errors by thread, as nothing of the library for C++ may.
 BINDINGS = ["capi"]
 LIBRARY = [name for name in LAYERS if name not in PROGRAM + BINDINGS]
@@ -82,6 +84,7 @@ THIRD_PARTY = {
     "hwy/": (["numerics", "mesh", "query", "broadphase", "culling", "narrowphase", "simulation", "oracle/cases"],
              False),
     "hdf5.h": (["io", "experiments"], False),
+    "mpi.h": (["distributed/mpi", "program/volccd_mpi"], True),  # a rank is made from the caller's communicator
     "fcl/": (["oracle", "peers"], False),
     "embree3/": (["peers"], False),
     "BulletCollision/": (["peers"], False),

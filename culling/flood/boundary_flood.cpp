@@ -12,6 +12,7 @@
 #include <volccd/culling/flood/detail/simplex_complex.hpp>
 #include <volccd/culling/stars/suspect_orphans.hpp>
 #include <volccd/culling/stars/suspect_pairs.hpp>
+#include <volccd/culling/stars/suspect_share.hpp>
 
 namespace volccd {
 
@@ -41,6 +42,7 @@ struct BoundaryFloodState final : StageState {
   detail::SuspectOrphans orphans;
   detail::OuterParts outer;
   TopologyDelta counted;  ///< the topology for which the shares were computed
+  bool counted_part = false;  ///< whether the shares are those of complete vertices alone
   double boundary_share = 0, divided_share = 0;
   ObjectFilter filter;
   std::optional<Step> step, parts_step;  ///< of the complex, and of the outer parts
@@ -64,29 +66,35 @@ struct BoundaryFloodState final : StageState {
 BoundaryFloodState& own(StageState& state) { return static_cast<BoundaryFloodState&>(state); }
 const BoundaryFloodState& own(const StageState& state) { return static_cast<const BoundaryFloodState&>(state); }
 
-/// The share of elements for which the predicate is true; 1 if there are none.
+/// The share of elements with complete vertices for which the predicate is true; 1 if there are none.
 template <class Predicate>
-double share_of_elements(const Mesh& mesh, Predicate&& predicate) {
-  std::size_t count = 0;
-  for (Index o = 0; o < mesh.element_slots(); ++o) count += mesh.is_live(o) && predicate(o) ? 1 : 0;
-  return mesh.element_count() == 0 ? 1 : static_cast<double>(count) / static_cast<double>(mesh.element_count());
+double share_of_elements(const Step& step, Predicate&& predicate) {
+  const Mesh& mesh = step.mesh();
+  std::size_t count = 0, all = 0;
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    const std::span<const Index> vertices = mesh.vertices(o);
+    if (!mesh.is_live(o) || !std::ranges::all_of(vertices, [&](Index v) { return step.is_complete(v); })) continue;
+    ++all;
+    count += predicate(o) ? 1 : 0;
+  }
+  return all == 0 ? 1 : static_cast<double>(count) / static_cast<double>(all);
 }
 
 /// The share of elements that are shells or have a face without another element.
-double boundary_share(const Topology& topology) {
-  const Features& features = topology.features();
-  return share_of_elements(topology.mesh(), [&](Index o) {
+double boundary_share(const Step& step) {
+  const Features& features = step.features();
+  return share_of_elements(step, [&](Index o) {
     const std::span<const Index> triangles = features.element_triangles(o);
-    return is_shell(topology.mesh().type(o)) || std::any_of(triangles.begin(), triangles.end(), [&](Index f) {
+    return is_shell(step.mesh().type(o)) || std::any_of(triangles.begin(), triangles.end(), [&](Index f) {
              return features.triangle_elements(f).size() == 1;
            });
   });
 }
 
 /// The share of elements that have to be divided into tetrahedra.
-double divided_share(const Mesh& mesh) {
+double divided_share(const Step& step) {
   return share_of_elements(
-      mesh, [&](Index o) { return !is_shell(mesh.type(o)) && mesh.type(o) != ElementType::tetrahedron; });
+      step, [&](Index o) { return !is_shell(step.mesh().type(o)) && step.mesh().type(o) != ElementType::tetrahedron; });
 }
 
 /// Proposes the seeds at t = 0, and the neighbours of adjacent pairs that may have double points then.
@@ -220,9 +228,11 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.taken = false;
   state.phase = Phase::parts;
   state.counters = {};
-  if (state.counted.sync(step.topology) != TopologyDelta::Extent::none) {
-    state.boundary_share = boundary_share(step.topology);
-    state.divided_share = divided_share(step.mesh());
+  const bool same_mesh = state.counted.sync(step.topology) == TopologyDelta::Extent::none;
+  const bool partial = !step.complete.empty();
+  if (std::exchange(state.counted_part, partial) || partial || !same_mesh) {
+    state.boundary_share = boundary_share(step);
+    state.divided_share = divided_share(step);
   }
   state.counted.confirm();
   if (state.boundary_share > config_.max_boundary_fraction || state.divided_share > config_.max_divided_fraction)
@@ -241,9 +251,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.stars.update(*state.step, executor);
   state.counters.simplices = topology.mesh().element_count();
   state.counters.suspect_vertices = state.stars.suspects().size();
-  if (static_cast<double>(state.counters.suspect_vertices) >
-      config_.max_suspect_fraction * static_cast<double>(topology.features().vertex_count()))
-    return;
+  if (!detail::few_suspects(step, state.stars.suspects(), config_.max_suspect_fraction)) return;
   state.suspects.update(*state.step, state.stars, executor, [](Index, Index) { return true; });
   state.orphans.update(topology, state.suspects.pairs(), executor);
   state.outer.update(*state.step, state.stars, executor);

@@ -97,8 +97,7 @@ void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& e
   if (state.volumes) {
     state.stars.update(step, executor);
     state.counters.suspect_vertices = state.stars.suspects().size();
-    state.counters.by_stars = static_cast<double>(state.counters.suspect_vertices) <=
-                              config_.max_suspect_fraction * static_cast<double>(step.features().vertex_count());
+    state.counters.by_stars = detail::few_suspects(step, state.stars.suspects(), config_.max_suspect_fraction);
   }
   if (!state.counters.by_stars) return state.set.update(step.topology, executor);
   list_pairs(step, state, executor);

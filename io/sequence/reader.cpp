@@ -39,18 +39,40 @@ struct SequenceReader::Impl {
     assert(frame >= 0 && static_cast<std::size_t>(frame) < layout.frames());
     return static_cast<std::size_t>(frame);
   }
-  void read_vectors(const detail::FrameArray& array, int frame, const char* what, std::vector<Vec3>& out) {
-    array.read(index(frame), layout.points, numbers);
-    out.resize(static_cast<std::size_t>(layout.points));
-    for (std::size_t i = 0; i < out.size(); ++i) {
+  /// Calls visit(row, vector) for `count` rows after the first `first` ones.
+  template <class Visit>
+  void visit_vectors(const detail::FrameArray& array, int frame, const char* what, Index first, Index count,
+                     Visit&& visit) {
+    array.read_part(index(frame), first, count, numbers);
+    for (std::size_t i = 0; i < count; ++i) {
       const Vec3 p(numbers.data() + 3 * i);
-      const Index slot = order.slots()[i];
       if (!p.allFinite())
-        array.fail(index(frame), i,
+        array.fail(index(frame), first + i,
                    fmt::format("the {} is not finite: {}, {}, {} (point id {}, frame {})", what, p[0], p[1], p[2],
-                               order.ids()[slot], frame));
-      out[slot] = p;
+                               order.ids()[order.slots()[first + i]], frame));
+      visit(first + i, p);
     }
+  }
+  void read_vectors(const detail::FrameArray& array, int frame, const char* what, std::vector<Vec3>& out) {
+    out.resize(static_cast<std::size_t>(layout.points));
+    visit_vectors(array, frame, what, 0, static_cast<Index>(layout.points),
+                  [&](std::size_t row, const Vec3& p) { out[order.slots()[row]] = p; });
+  }
+  void read_part(const detail::FrameArray& array, int frame, const char* what, Index first, Index count,
+                 std::vector<Vec3>& out) {
+    out.resize(count);
+    visit_vectors(array, frame, what, first, count, [&](std::size_t row, const Vec3& p) { out[row - first] = p; });
+  }
+  /// The separation of a query, from the same rows.
+  double read_separation(int frame, Index first, Index count) {
+    layout.query_separation->read_part(index(frame), first, count, numbers);
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      if (!(std::isfinite(numbers[i]) && numbers[i] >= 0 && numbers[i] == numbers[0]))
+        layout.query_separation->fail(
+            index(frame), first + i,
+            fmt::format("the separation is negative, not finite, or not that of the other points: {} (frame {})",
+                        numbers[i], frame));
+    return numbers.empty() ? 0 : numbers[0];
   }
 
   detail::Hdf5File file;
@@ -108,15 +130,26 @@ double SequenceReader::read_query(int frame, std::vector<Vec3>& start, std::vect
   if (!has_query()) impl_->file.fail("VTKHDF/PointData/QueryStart, QueryEnd or QuerySeparation", "is missing");
   impl_->read_vectors(*impl_->layout.query_start, frame, "start of the query", start);
   impl_->read_vectors(*impl_->layout.query_end, frame, "end of the query", end);
-  std::vector<double>& separations = impl_->numbers;
-  impl_->layout.query_separation->read(impl_->index(frame), impl_->layout.points, separations);
-  for (std::size_t i = 0; i < separations.size(); ++i)
-    if (!(std::isfinite(separations[i]) && separations[i] >= 0 && separations[i] == separations[0]))
-      impl_->layout.query_separation->fail(
-          impl_->index(frame), i,
-          fmt::format("the separation is negative, not finite, or not that of the other points: {} (frame {})",
-                      separations[i], frame));
-  return separations.empty() ? 0 : separations[0];
+  return impl_->read_separation(frame, 0, point_count());
+}
+
+bool SequenceReader::can_read_parts() const { return !impl_->layout.polyhedra; }
+
+void SequenceReader::read_points(int frame, Index first, Index count, std::vector<Vec3>& points) {
+  impl_->order.check(impl_->layout, impl_->index(frame));
+  impl_->read_part(impl_->layout.positions, frame, "point", first, count, points);
+}
+
+double SequenceReader::read_query(int frame, Index first, Index count, std::vector<Vec3>& start,
+                                  std::vector<Vec3>& end) {
+  if (!has_query()) impl_->file.fail("VTKHDF/PointData/QueryStart, QueryEnd or QuerySeparation", "is missing");
+  impl_->read_part(*impl_->layout.query_start, frame, "start of the query", first, count, start);
+  impl_->read_part(*impl_->layout.query_end, frame, "end of the query", first, count, end);
+  return impl_->read_separation(frame, first, count);
+}
+
+void SequenceReader::read_cells(int frame, Index first, Index count, SequenceCells& cells) {
+  impl_->cells.read_part(impl_->index(frame), first, count, cells);
 }
 
 void SequenceReader::read_thickness(int frame, std::vector<double>& thickness) {

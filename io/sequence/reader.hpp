@@ -84,6 +84,14 @@ class SequenceReader {
   double read_query(int frame, std::vector<Vec3>& start, std::vector<Vec3>& end);
   void read_cells(int frame, SequenceCells& cells);
 
+  /// Whether the members below can be called: not if the file has polyhedra.
+  bool can_read_parts() const;
+  /// The same for `count` rows after the first `first` ones, in the order of the file: row i is that of the vertex
+  /// slot_of_point()[first + i]. The ids of cells are distinct among these. For readers that divide a frame among them.
+  void read_points(int frame, Index first, Index count, std::vector<Vec3>& points);
+  double read_query(int frame, Index first, Index count, std::vector<Vec3>& start, std::vector<Vec3>& end);
+  void read_cells(int frame, Index first, Index count, SequenceCells& cells);
+
   /// Numbers of cells with repeated nodes in the last read_cells(), by type in the file and type of the element read.
   const std::map<std::pair<ElementType, ElementType>, std::uint64_t>& collapsed_cells() const;
 

@@ -1,199 +1,356 @@
-// Contacts of several ranks against those of the whole mesh.
+// One rank's side of a detector: any distribution of elements and vertices, edits, what is given back, what is refused.
 #include <volccd/distributed/detector.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <string>
 
 #include <gtest/gtest.h>
 
-#include <volccd/core/error.hpp>
+#include <volccd/core/random.hpp>
+#include <volccd/distributed/in_process_exchange.hpp>
 #include <volccd/oracle/cases/colliding_scenes.hpp>
-#include <volccd/pipelines/compare.hpp>
 #include <volccd/pipelines/step_runner.hpp>
 
-#include "distributed/rank_numbers.hpp"
-#include "support/all_stages.hpp"
-#include "support/one_step.hpp"
+#include "distributed/registry.hpp"
 
 namespace volccd::distributed {
 namespace {
 
 using cases::Scene;
 
-const Registry& registry() {
-  static const Registry all = test::all_stages();
-  return all;
+PipelineSpec exact_spec(const std::string& name = "VolCCD+") {
+  PipelineSpec spec = registry().pipeline(name);
+  registry().apply_setting(spec, "inclusion.undecided=exact");
+  return spec;
 }
 
-/// The presets that are not approximate, with decided tests, and VolCCD+ with a flood that declines nothing.
-std::vector<PipelineSpec> specs() {
-  std::vector<PipelineSpec> result;
-  for (PipelineSpec spec : registry().pipelines()) {
-    if (Pipeline(registry(), spec).guarantee() == Guarantee::approximate) continue;
-    registry().apply_setting(spec, "inclusion.undecided=exact");
-    result.push_back(spec);
-    if (!spec.flood) continue;
-    for (const char* setting : {"boundary-flood.max_boundary_fraction=1", "boundary-flood.max_suspect_fraction=1",
-                                "boundary-flood.max_divided_fraction=1"})
-      registry().apply_setting(spec, setting);
-    spec.name += " always flooded";
-    result.push_back(spec);
+/// Vertex ids that need 64 bits, ascending with the slots.
+std::int64_t wide(std::int64_t slot) { return (std::int64_t{1} << 40) + 7 * slot; }
+
+/// What a rank gives: a random part of the elements and vertices, vertices in random order.
+struct Part {
+  Elements elements;
+  std::vector<Index> slots;  ///< of its vertices
+  std::vector<std::int64_t> ids;
+  Motion motion;
+};
+
+/// `ranks_with_data`: the others have neither elements nor vertices.
+std::vector<Part> divided(const Mesh& mesh, const Motion& motion, int ranks, int ranks_with_data, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Part> parts(static_cast<std::size_t>(ranks));
+  const auto any = [&]() -> Part& { return parts[random.below(static_cast<std::uint64_t>(ranks_with_data))]; };
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (!mesh.is_live(o)) continue;
+    Elements one;
+    one.add(mesh, o);
+    for (std::int64_t& v : one.vertices) v = wide(v);
+    for (std::size_t k = 0, rest = 0; k < one.faces.size(); ++k) {
+      if (rest == 0)
+        rest = static_cast<std::size_t>(one.faces[k]);
+      else
+        --rest, one.faces[k] = wide(one.faces[k]);
+    }
+    any().elements.add(one, 0);
+  }
+  std::vector<Index> slots(mesh.vertex_count());
+  for (Index v = 0; v < mesh.vertex_count(); ++v) slots[v] = v;
+  random.shuffle(slots);
+  for (const Index v : slots) any().slots.push_back(v);
+  for (Part& part : parts) {
+    part.motion = Motion(static_cast<Index>(part.slots.size()), motion.control_points());
+    for (Index i = 0; i < part.slots.size(); ++i) {
+      part.ids.push_back(wide(part.slots[i]));
+      for (int c = 0; c < motion.control_points(); ++c) part.motion.set(i, c, motion.point(part.slots[i], c));
+    }
+  }
+  return parts;
+}
+
+void set_motion(Part& part, const Motion& motion) {
+  for (Index i = 0; i < part.slots.size(); ++i)
+    for (int c = 0; c < motion.control_points(); ++c) part.motion.set(i, c, motion.point(part.slots[i], c));
+}
+
+/// A contact of the whole mesh with ids.
+RankContact with_ids(const Contact& contact, const Mesh& mesh) {
+  RankContact result{.kind = contact.kind,
+                     .toi = contact.toi,
+                     .normal = contact.normal,
+                     .weights = contact.weights,
+                     .point = contact.point,
+                     .at_start = contact.at_start,
+                     .gap = contact.gap};
+  for (std::size_t i = 0; i < 4; ++i) result.vertices[i] = wide(contact.vertices[i]);
+  for (std::size_t i = 0; i < 2; ++i) {
+    result.elements[i] = mesh.element_id(contact.elements[i]);
+    result.objects[i] = mesh.object(contact.elements[i]);
   }
   return result;
 }
 
-std::vector<Scene> scenes() {
-  std::vector<Scene> all = cases::small_scenes(3, 0.15);
-  all.push_back(cases::colliding("block of tetrahedra", block(ElementType::tetrahedron, 3, 2, 2), 4, 0.05));
-  all.push_back(cases::colliding("jittered block", block(ElementType::tetrahedron, 2, 2, 1), 5, 0.4));
-  return all;
+std::vector<RankContact> with_ids(const std::vector<Contact>& contacts, const Mesh& mesh) {
+  std::vector<RankContact> result;
+  for (const Contact& contact : contacts) result.push_back(with_ids(contact, mesh));
+  return result;
 }
 
-/// With control points in between.
-Motion curved(const Motion& motion, std::uint64_t seed) {
-  std::vector<Vec3> x0, middle, x1;
-  for (Index v = 0; v < motion.vertex_count(); ++v) {
-    x0.push_back(motion.point(v, 0));
-    x1.push_back(motion.point(v, 1));
-    middle.push_back((x0.back() + x1.back()) / 2);
-  }
-  return Motion::quadratic(x0, jittered(middle, 0.2, seed), x1);
-}
+bool less(const RankContact& x, const RankContact& y) { return canonical_less(x, y); }
 
-void expect_same(const StepResult& whole, const StepResult& ranks) {
-  EXPECT_TRUE(whole.contacts == ranks.contacts);
-  EXPECT_TRUE(whole.left_out == ranks.left_out);
-  EXPECT_EQ(whole.initial_overlaps, ranks.initial_overlaps);
-  EXPECT_EQ(whole.statistics.contacts, ranks.statistics.contacts);
-  EXPECT_EQ(whole.statistics.contacts_at_start, ranks.statistics.contacts_at_start);
-  EXPECT_EQ(whole.statistics.earliest_toi, ranks.statistics.earliest_toi);
-  for (std::size_t i = 0; i < std::min(whole.contacts.size(), ranks.contacts.size()); ++i) {
-    EXPECT_EQ(whole.contacts[i].features, ranks.contacts[i].features);
-    EXPECT_EQ(whole.contacts[i].elements, ranks.contacts[i].elements);
-  }
-}
-
-constexpr int kSomeNumbers[] = {2, 7, 16};
-
-struct Asked {
-  double separation = 0;
-  ObjectFilter filter = {};
-  Request request = {};
-  std::span<const int> ranks = kSomeNumbers;
-};
-
-/// Compares the numbers of ranks. Returns the number of contacts.
-std::size_t compare(const PipelineSpec& spec, const Topology& topology, const Motion& motion, const Asked& query) {
-  StepRunner runner(Pipeline(registry(), spec), {.separation = query.separation, .filter = query.filter});
-  const StepResult& whole = runner.run(topology, motion, query.request);
-  for (const int ranks : query.ranks) {
-    SCOPED_TRACE(spec.name + ", ranks: " + std::to_string(ranks));
-    Detector detector(registry(), spec, {.ranks = ranks, .separation = query.separation, .filter = query.filter});
-    expect_same(whole, detector.step(topology, motion, query.request));
-    std::uint64_t found = 0, elements = 0, copies = 0;
-    for (const RankStatistics& rank : detector.statistics()) {
-      found += rank.contacts;
-      elements += rank.elements;
-      copies += rank.copies;
-    }
-    if (query.request.query == Query::all) {
-      EXPECT_EQ(found, whole.contacts.size());
-    }
-    EXPECT_EQ(elements, topology.mesh().element_count() + copies);
-  }
-  return whole.contacts.size();
-}
-
-std::size_t compare_scenes(const Asked& query, bool quadratic = false) {
-  std::size_t contacts = 0;
-  for (const Scene& scene : scenes())
-    for (const PipelineSpec& spec : specs()) {
-      SCOPED_TRACE(scene.name);
-      contacts += compare(spec, scene.topology, quadratic ? curved(scene.motion, 9) : scene.motion, query);
-    }
+std::vector<RankContact> sorted(std::vector<RankContact> contacts) {
+  std::ranges::sort(contacts, less);
   return contacts;
 }
 
-TEST(DistributedDetector, ContactsAndOverlapsAreThoseOfTheWhole) {
-  EXPECT_GT(compare_scenes({.request = {.initial_overlaps = true}, .ranks = test::kRankNumbers}), 1000u);
+/// Runs body(exchange, part) on all ranks.
+template <class Body>
+void on_ranks(std::vector<Part>& parts, Body&& body) {
+  InProcessRanks(static_cast<int>(parts.size())).run([&](Exchange& exchange) {
+    body(exchange, parts[static_cast<std::size_t>(exchange.rank())]);
+  });
 }
 
-TEST(DistributedDetector, WithSeparation) {
-  EXPECT_GT(compare_scenes({.separation = 0.02, .request = {.initial_overlaps = true}}), 1000u);
-}
-
-TEST(DistributedDetector, QuadraticMotion) { EXPECT_GT(compare_scenes({}, true), 1000u); }
-
-TEST(DistributedDetector, BetweenObjects) {
-  for (const PairScope scope : {PairScope::inter, PairScope::intra})
-    EXPECT_GT(compare_scenes({.filter = ObjectFilter(scope)}), 10u);
-}
-
-TEST(DistributedDetector, First) { EXPECT_GT(compare_scenes({.request = {.query = Query::first}}), 10u); }
-
-/// Coordinates of a lattice, also of the centres of moving boxes, where the cuts are.
-TEST(DistributedDetector, FeaturesOnCuts) {
-  for (const double separation : {0.0, 1.0}) {
-    Shape both;
-    both.append(block(ElementType::hexahedron, 3, 2, 1), 1);
-    Shape other = block(ElementType::tetrahedron, 2, 1, 1);
-    both.append(other.translate(Vec3(1, 1, 2)), 2);
-    std::vector<Vec3> end = both.positions;
-    for (std::size_t v = both.positions.size() - other.positions.size(); v < end.size(); ++v) end[v] -= Vec3(1, 1, 1);
-    const Topology topology(both.mesh());
-    for (const PipelineSpec& spec : specs())
-      EXPECT_GT(compare(spec, topology, Motion::linear(both.positions, end), {.separation = separation}), 20u);
-  }
-}
-
-/// Elements go, and the same Detector goes on; so does the whole, with the workspace that it has.
-TEST(DistributedDetector, ErosionBetweenSteps) {
-  for (const PipelineSpec& spec : specs())
-    for (const int ranks : {1, 3, 16}) {
-      Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 3, 2, 2), 6, 0.2);
-      StepRunner runner(Pipeline(registry(), spec));
-      Detector detector(registry(), spec, {.ranks = ranks});
-      std::size_t contacts = 0;
-      for (Index gone = 0; gone < 5; ++gone) {
-        SCOPED_TRACE(spec.name + ", " + std::to_string(ranks) + " ranks, edit " + std::to_string(gone));
-        expect_same(runner.run(scene.topology, scene.motion), detector.step(scene.topology, scene.motion));
-        contacts += runner.result().contacts.size();
-        scene.topology.apply({.removed = {5 * gone, 5 * gone + 2, 140 - gone}});
+TEST(RankDetector, AnyDistributionGivesTheContactsOfTheWhole) {
+  for (const Scene& scene : cases::small_scenes(3, 0.15))
+    for (const int ranks : {1, 3, 8})
+      for (const int with_data : {1, ranks}) {
+        SCOPED_TRACE(scene.name + ", ranks: " + std::to_string(ranks));
+        StepRunner runner(Pipeline(registry(), exact_spec()));
+        const Request request{.initial_overlaps = true};
+        const StepResult& whole = runner.run(scene.topology, scene.motion, request);
+        const Mesh& mesh = scene.topology.mesh();
+        std::vector<RankContact> all;
+        std::vector<std::array<std::int64_t, 2>> overlaps;
+        auto parts = divided(mesh, scene.motion, ranks, with_data, 11);
+        const std::vector<RankContact> expected = with_ids(whole.contacts, mesh);
+        on_ranks(parts, [&](Exchange& exchange, Part& part) {
+          Detector detector(exchange, registry(), exact_spec());
+          detector.set_mesh(part.elements, part.ids);
+          const RankResult& result = detector.step(part.motion, request);
+          EXPECT_TRUE(std::ranges::is_sorted(result.contacts, less));
+          all.insert(all.end(), result.contacts.begin(), result.contacts.end());
+          overlaps.insert(overlaps.end(), result.initial_overlaps.begin(), result.initial_overlaps.end());
+          std::vector<RankContact> mine;
+          for (const RankContact& contact : expected)
+            if (std::ranges::any_of(contact.vertices, [&](auto id) { return std::ranges::count(part.ids, id) > 0; }))
+              mine.push_back(contact);
+          EXPECT_EQ(detector.to_owners(), mine);
+        });
+        EXPECT_EQ(sorted(all), expected);
+        EXPECT_EQ(overlaps.size(), whole.initial_overlaps.size());
       }
-      EXPECT_GT(contacts, 100u);
+}
+
+TEST(RankDetector, OneRankKeepsTheFirstContact) {
+  const Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 3, 2, 2), 4, 0.05);
+  StepRunner runner(Pipeline(registry(), exact_spec()));
+  const StepResult& whole = runner.run(scene.topology, scene.motion, {.query = Query::first});
+  ASSERT_EQ(whole.contacts.size(), 1u);
+  auto parts = divided(scene.topology.mesh(), scene.motion, 5, 5, 2);
+  std::vector<RankContact> all;
+  on_ranks(parts, [&](Exchange& exchange, Part& part) {
+    Detector detector(exchange, registry(), exact_spec());
+    detector.set_mesh(part.elements, part.ids);
+    const auto& found = detector.step(part.motion, {.query = Query::first}).contacts;
+    all.insert(all.end(), found.begin(), found.end());
+  });
+  EXPECT_EQ(all, with_ids(whole.contacts, scene.topology.mesh()));
+}
+
+/// Small motions, then greater ones: lists are kept while they serve. Contacts are those of the whole in each step,
+/// with cuts by measured times in between, too.
+TEST(RankDetector, ListsAndRegionsChangeWhenTheyMust) {
+  const Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 4, 3, 2), 6, 0.1);
+  for (const double max_imbalance : {0.0, std::numeric_limits<double>::infinity()}) {
+    StepRunner runner(Pipeline(registry(), exact_spec()));
+    auto parts = divided(scene.topology.mesh(), scene.motion, 6, 6, 3);
+    std::vector<std::uint64_t> lists, cuts;
+    on_ranks(parts, [&](Exchange& exchange, Part& part) {
+      Detector detector(exchange, registry(), exact_spec(), {.skin = 0.3, .max_imbalance = max_imbalance});
+      detector.set_mesh(part.elements, part.ids);
+      Vec3 corner = Vec3::Zero();
+      for (const double end : {0.1, 0.11, 0.12, 0.13, 0.8, 0.81, 0.1, 0.1, 1.0, 1.0, 1.0}) {
+        Motion motion;
+        motion.set_part(scene.motion, 0, end);
+        set_motion(part, motion);
+        detector.step(part.motion);
+        const auto gathered = exchange.allgather(to_bytes(detector.result().contacts));
+        if (exchange.rank() != 0) continue;
+        std::vector<RankContact> all;
+        for (const Bytes& bytes : gathered)
+          for (const RankContact& contact : contacts_of(bytes)) all.push_back(contact);
+        EXPECT_EQ(sorted(all), with_ids(runner.run(scene.topology, motion).contacts, scene.topology.mesh()));
+        lists.push_back(detector.result().rank.lists);
+        const Vec3 now = detector.regions().region(0).high.cwiseMin(1e9);
+        cuts.push_back(now != corner ? 1 : 0);
+        corner = now;
+      }
+    });
+    if (max_imbalance > 0) {
+      EXPECT_EQ(lists, (std::vector<std::uint64_t>{1, 0, 0, 0, 1, 0, 1, 0, 1, 0, 0}));
+      EXPECT_EQ(std::ranges::count(cuts, 1u), 1);
+    } else {
+      EXPECT_EQ(lists[3], 1u) << "three steps are slower than no imbalance at all";
+      EXPECT_EQ(lists[9], 1u) << "six more";
     }
-}
-
-/// Pieces are kept while their elements are nearly the same, and made anew if not.
-TEST(DistributedDetector, MotionsOfSeveralSizes) {
-  Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 4, 3, 2), 6, 0.1);
-  const PipelineSpec spec = specs().front();
-  Detector detector(registry(), spec, {.ranks = 7});
-  StepRunner runner{Pipeline(registry(), spec)};
-  Motion part;
-  for (const double end : {1.0, 0.99, 0.5, 0.1, 0.7, 1.0}) {
-    part.set_part(scene.motion, 0, end);
-    expect_same(runner.run(scene.topology, part), detector.step(scene.topology, part));
   }
 }
 
-TEST(DistributedDetector, ShellNeighboursAreLeftOut) {
-  const Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 3, 2, 2), 6, 0.3);
-  for (const PipelineSpec& spec : specs()) {
-    EXPECT_GT(compare(spec, scene.topology, scene.motion, {.request = {.leave_out_shell_neighbours = true}}), 10u);
-    EXPECT_FALSE(test::run_step({scene.topology, scene.motion, test::kAllObjects}, {.leave_out_shell_neighbours = true})
-                     .left_out.empty());
-  }
+TEST(RankDetector, Edits) {
+  Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 3, 2, 2), 6, 0.2);
+  StepRunner runner(Pipeline(registry(), exact_spec()));
+  auto parts = divided(scene.topology.mesh(), scene.motion, 4, 4, 5);
+  std::vector<Elements> removed(parts.size());
+  std::vector<RankContact> before, after, back;
+  on_ranks(parts, [&](Exchange& exchange, Part& part) {
+    Detector detector(exchange, registry(), exact_spec());
+    // The last vertex of the rank comes by the edit, with the elements that it is a corner of.
+    std::vector<std::int64_t> ids(part.ids.begin(), part.ids.end());
+    detector.set_mesh(part.elements, ids);
+    const auto collect = [&](std::vector<RankContact>& all) {
+      const auto& found = detector.step(part.motion).contacts;
+      all.insert(all.end(), found.begin(), found.end());
+    };
+    collect(before);
+    Elements& gone = removed[static_cast<std::size_t>(exchange.rank())];
+    for (std::size_t i = 0; i < part.elements.size(); i += 3) gone.add(part.elements, i);
+    detector.edit(gone.ids, {}, {});
+    collect(after);
+    // A new vertex on rank 2, which no element uses, and the elements again, on the next rank.
+    exchange.allgather({});
+    const Elements& others = removed[static_cast<std::size_t>((exchange.rank() + 1) % exchange.size())];
+    if (exchange.rank() == 2) {
+      detector.edit({}, std::vector<std::int64_t>{3}, others);
+      Motion longer(part.motion.vertex_count() + 1, 2);
+      for (Index v = 0; v < part.motion.vertex_count(); ++v)
+        for (int c = 0; c < 2; ++c) longer.set(v, c, part.motion.point(v, c));
+      part.motion = longer;
+    } else {
+      detector.edit({}, {}, others);
+    }
+    collect(back);
+    EXPECT_THROW(
+        detector.edit(exchange.rank() == 1 ? std::vector<std::int64_t>{-5} : std::vector<std::int64_t>{}, {}, {}),
+        RankError);
+  });
+  const std::vector<RankContact> whole =
+      with_ids(runner.run(scene.topology, scene.motion).contacts, scene.topology.mesh());
+  EXPECT_EQ(sorted(before), whole);
+  EXPECT_EQ(sorted(back), whole);
+  TopologyEdit edit;
+  for (const Elements& gone : removed)
+    for (const std::int64_t id : gone.ids) edit.removed.push_back(scene.topology.mesh().find_element(id));
+  scene.topology.apply(edit);
+  EXPECT_EQ(sorted(after), with_ids(runner.run(scene.topology, scene.motion).contacts, scene.topology.mesh()));
+  EXPECT_NE(whole.size(), after.size());
 }
 
-TEST(DistributedDetector, RefusesWhatItCannotDo) {
-  const PipelineSpec& spec = registry().pipeline("VolCCD+");
-  EXPECT_THROW(Detector(registry(), spec, {.ranks = 0}), ConfigError);
-  EXPECT_THROW(Detector(registry(), spec, {.separation = -1}), ConfigError);
-  const Scene scene = cases::colliding("cell", block(ElementType::hexahedron, 1, 1, 1), 1, 0.1);
-  Detector detector(registry(), spec, {.ranks = 2});
-  EXPECT_THROW(detector.step(scene.topology, scene.motion, {.ends = true}), ConfigError);
-  TestBatch tests;
-  EXPECT_THROW(detector.step(scene.topology, scene.motion, {.candidates = &tests}), ConfigError);
-  EXPECT_THROW(detector.step(scene.topology, Motion(3, 2)), InputError);
-  EXPECT_THROW(detector.step(scene.topology, scene.motion, {.leave_out_shell_neighbours = true}), ConfigError);
+/// The text that all of three ranks throw; they must go on afterwards.
+template <class Act>
+std::string refusal(Act&& act) {
+  const Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 2, 1, 1), 1, 0.1);
+  auto parts = divided(scene.topology.mesh(), scene.motion, 3, 3, 5);
+  std::vector<std::string> texts;
+  on_ranks(parts, [&](Exchange& exchange, Part& part) {
+    Detector detector(exchange, registry(), exact_spec());
+    detector.set_mesh(part.elements, part.ids);
+    Part changed = part;
+    try {
+      act(exchange, detector, changed, parts);
+      ADD_FAILURE() << "nothing was refused";
+    } catch (const RankError& error) {
+      texts.push_back(error.what());
+    }
+    detector.set_separation(0);
+    EXPECT_NO_THROW(detector.step(part.motion));
+  });
+  EXPECT_EQ(texts.size(), 3u);
+  for (const std::string& text : texts) EXPECT_EQ(text, texts.front());
+  return texts.empty() ? "" : texts.front();
+}
+
+#define EXPECT_TEXT(part, text) EXPECT_NE((text).find(part), std::string::npos) << (text)
+
+TEST(RankDetector, RefusesMeshesThatDoNotFitTogether) {
+  using Parts = std::vector<Part>;
+  std::string text = refusal([](Exchange& exchange, Detector& detector, Part& part, const Parts& parts) {
+    if (exchange.rank() == 2) part.ids.push_back(parts[1].ids.front());
+    detector.set_mesh(part.elements, part.ids);
+  });
+  EXPECT_TEXT("is given by rank 1 and by rank 2", text);
+  EXPECT_TEXT("vertex id 1099", text);
+  text = refusal([](Exchange& exchange, Detector& detector, Part& part, const Parts&) {
+    if (exchange.rank() == 1) part.ids.push_back(part.ids.front());
+    detector.set_mesh(part.elements, part.ids);
+  });
+  EXPECT_TEXT("is given twice by rank 1", text);
+  text = refusal([](Exchange& exchange, Detector& detector, Part& part, const Parts& parts) {
+    if (exchange.rank() == 0) part.elements.add(parts[2].elements, 1);
+    detector.set_mesh(part.elements, part.ids);
+  });
+  EXPECT_TEXT("element id", text);
+  EXPECT_TEXT("is given by rank 0 and by rank 2", text);
+  text = refusal([](Exchange& exchange, Detector& detector, Part& part, const Parts&) {
+    if (exchange.rank() == 1) part.ids.pop_back();
+    detector.set_mesh(part.elements, part.ids);
+  });
+  EXPECT_TEXT("no rank gives its vertex id", text);
+  text = refusal([](Exchange& exchange, Detector& detector, Part& part, const Parts&) {
+    if (exchange.rank() == 1) part.elements.vertices[1] = part.elements.vertices[0];
+    detector.set_mesh(part.elements, part.ids);
+  });
+  EXPECT_TEXT("rank 1 of 3: mesh: mesh: elements[", text);
+  EXPECT_TEXT("occurs twice in the element", text);
+  text = refusal([](Exchange& exchange, Detector& detector, Part& part, const Parts&) {
+    if (exchange.rank() == 1) part.elements.offsets.pop_back();
+    detector.set_mesh(part.elements, part.ids);
+  });
+  EXPECT_TEXT("do not have the same length", text);
+}
+
+TEST(RankDetector, RefusesStepsAndOptionsThatDiffer) {
+  using Parts = std::vector<Part>;
+  std::string text = refusal([](Exchange& exchange, Detector& detector, Part& part, const Parts&) {
+    detector.set_separation(exchange.rank() == 2 ? 0.25 : 0);
+    detector.step(part.motion);
+  });
+  EXPECT_TEXT("request of a step must be the same on all ranks", text);
+  EXPECT_TEXT("rank 2 has 2 control points, separation 0.25", text);
+  text = refusal([](Exchange& exchange, Detector& detector, Part& part, const Parts&) {
+    detector.step(part.motion, {.query = exchange.rank() == 1 ? Query::first : Query::all});
+  });
+  EXPECT_TEXT("rank 1 has 2 control points, separation 0, first contact", text);
+  text = refusal([](Exchange& exchange, Detector& detector, Part& part, const Parts&) {
+    detector.step(exchange.rank() == 1 ? Motion(1, 2) : part.motion);
+  });
+  EXPECT_TEXT("rank 1 of 3: step: step: motion: moves 1 vertices", text);
+  text = refusal([](Exchange& exchange, Detector& detector, Part& part, const Parts&) {
+    std::vector<Vec3> points(part.ids.size(), Vec3::Zero());
+    if (exchange.rank() == 1) points.front().x() = std::numeric_limits<double>::quiet_NaN();
+    detector.step(points, points);
+  });
+  EXPECT_TEXT("rank 1 of 3: step: motion: x0[0]: not a finite position", text);
+  text = refusal([](Exchange& exchange, Detector&, Part&, const Parts&) {
+    Detector(exchange, registry(), exact_spec(exchange.rank() == 1 ? "NavCCD" : "VolCCD+"));
+  });
+  EXPECT_TEXT("options must be the same on all ranks: rank 0 has pipeline VolCCD+", text);
+  text = refusal([](Exchange& exchange, Detector&, Part&, const Parts&) {
+    ObjectFilter filter;
+    if (exchange.rank() == 2) filter.exclude(3, 1);
+    Detector(exchange, registry(), exact_spec(), {.filter = filter});
+  });
+  EXPECT_TEXT("without 1-3", text);
+  text = refusal([](Exchange& exchange, Detector&, Part& part, const Parts&) {
+    Detector detector(exchange, registry(), exact_spec());
+    detector.step(part.motion);
+  });
+  EXPECT_TEXT("a mesh must be set before the first step", text);
+  text = refusal([](Exchange& exchange, Detector&, Part&, const Parts&) {
+    Detector(exchange, registry(), exact_spec(), {.skin = exchange.rank() == 0 ? -1.0 : 0.0});
+  });
+  EXPECT_TEXT("rank 0 of 3: options: skin: -1 is not a finite number >= 0", text);
 }
 
 }  // namespace

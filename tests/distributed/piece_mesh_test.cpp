@@ -7,74 +7,100 @@
 namespace volccd::distributed {
 namespace {
 
-std::vector<Index> every(Index step, Index count) {
-  std::vector<Index> slots;
-  for (Index o = 0; o < count; o += step) slots.push_back(o);
-  return slots;
+/// Each `step`-th of the first `count` elements of a mesh.
+Elements every(Index step, Index count, const Mesh& mesh) {
+  Elements elements;
+  for (Index o = 0; o < count; o += step) elements.add(mesh, o);
+  return elements;
+}
+
+/// An owner for each vertex of the elements: a function of the id.
+std::vector<int> owners_of(const Elements& elements) {
+  std::vector<int> owners;
+  for (const std::int64_t id : elements.vertices) owners.push_back(static_cast<int>(id % 5));
+  return owners;
+}
+
+bool update(PieceMesh& piece, const Elements& elements, std::int64_t group = 1) {
+  return piece.update(elements, owners_of(elements), {.vertex_group = group}, serial_executor());
 }
 
 /// That the piece has the elements, with the ids of their vertices, in any case.
-void expect_elements(const PieceMesh& piece, const Mesh& whole, std::span<const Index> elements) {
+void expect_elements(const PieceMesh& piece, const Elements& elements) {
   const Mesh& mesh = piece.topology().mesh();
-  for (const Index o : elements) {
-    const Index slot = mesh.find_element(whole.element_id(o));
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const Index slot = mesh.find_element(elements.ids[i]);
     ASSERT_NE(slot, kNone);
-    EXPECT_EQ(piece.whole_element(slot), o);
-    EXPECT_EQ(mesh.type(slot), whole.type(o));
-    EXPECT_EQ(mesh.object(slot), whole.object(o));
-    const auto vertices = mesh.vertices(slot), expected = whole.vertices(o);
-    ASSERT_EQ(vertices.size(), expected.size());
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      EXPECT_EQ(piece.whole_vertex(vertices[i]), expected[i]);
-      EXPECT_EQ(mesh.vertex_id(vertices[i]), whole.vertex_id(expected[i]));
-    }
-    EXPECT_EQ(mesh.polytope_faces(slot).size(), whole.polytope_faces(o).size());
+    Elements found;
+    found.add(mesh, slot);
+    Elements expected;
+    expected.add(elements, i);
+    EXPECT_EQ(found.types, expected.types);
+    EXPECT_EQ(found.objects, expected.objects);
+    EXPECT_EQ(found.vertices, expected.vertices);
+    EXPECT_EQ(found.faces, expected.faces);
   }
 }
 
 TEST(PieceMesh, HasItsElementsAndTheirVertices) {
   for (const cases::Scene& scene : cases::small_scenes(3, 0.1)) {
-    const Mesh& whole = scene.topology.mesh();
-    const std::vector<Index> elements = every(3, whole.element_slots());
+    const Elements elements = every(3, scene.topology.mesh().element_slots(), scene.topology.mesh());
     PieceMesh piece;
-    piece.update(scene.topology, elements, 1, serial_executor());
+    EXPECT_TRUE(piece.empty());
+    EXPECT_TRUE(update(piece, elements));
     EXPECT_EQ(piece.topology().mesh().element_count(), elements.size());
     EXPECT_EQ(piece.topology().features().vertex_count(), piece.topology().mesh().vertex_count());
-    expect_elements(piece, whole, elements);
-    const Motion& motion = piece.motion_of(scene.motion);
-    for (Index v = 0; v < motion.vertex_count(); ++v)
-      for (int c = 0; c < 2; ++c) EXPECT_EQ(motion.point(v, c), scene.motion.point(piece.whole_vertex(v), c));
+    expect_elements(piece, elements);
+    ASSERT_EQ(piece.owners().size(), piece.vertex_ids().size());
+    for (std::size_t v = 0; v < piece.owners().size(); ++v) EXPECT_EQ(piece.owners()[v], piece.vertex_ids()[v] % 5);
   }
 }
 
 TEST(PieceMesh, HoldsWholeGroupsOfVertices) {
   const cases::Scene scene = cases::colliding("cells", block(ElementType::hexahedron, 2, 2, 1), 1, 0);
+  const Elements elements = every(3, 8, scene.topology.mesh());
   PieceMesh piece;
-  piece.update(scene.topology, every(3, 8), 3, serial_executor());
-  expect_elements(piece, scene.topology.mesh(), every(3, 8));
-  const Mesh& mesh = piece.topology().mesh();
-  ASSERT_EQ(mesh.vertex_count() % 3, 0u);
-  for (Index v = 0; v < mesh.vertex_count(); ++v)
-    EXPECT_EQ(piece.whole_vertex(v), piece.whole_vertex(v / 3 * 3) + v % 3);
+  update(piece, elements, 3);
+  expect_elements(piece, elements);
+  ASSERT_EQ(piece.vertex_ids().size() % 3, 0u);
+  for (std::size_t v = 0; v < piece.vertex_ids().size(); ++v) {
+    EXPECT_EQ(piece.vertex_ids()[v], piece.vertex_ids()[v / 3 * 3] + static_cast<std::int64_t>(v % 3));
+    EXPECT_EQ(piece.vertex_ids()[v / 3 * 3] % 3, 0);
+    const bool used = std::ranges::count(elements.vertices, piece.vertex_ids()[v]) > 0;
+    EXPECT_EQ(piece.owners()[v], used ? piece.vertex_ids()[v] % 5 : PieceMesh::kNoRank);
+  }
+}
+
+TEST(PieceMesh, GroupsOfNegativeIds) {
+  Elements elements;
+  elements.add(ElementType::triangle, std::vector<std::int64_t>{-4, -1, 1}, 0, 0);
+  PieceMesh piece;
+  update(piece, elements, 3);
+  const auto ids = piece.vertex_ids();
+  EXPECT_EQ(std::vector(ids.begin(), ids.end()), (std::vector<std::int64_t>{-6, -5, -4, -3, -2, -1, 0, 1, 2}));
 }
 
 TEST(PieceMesh, IsKeptForFewerElementsAndMadeAnewForOthers) {
-  cases::Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 3, 3, 2), 1, 0);
-  auto version_for = [&, piece = PieceMesh()](std::vector<Index> elements) mutable {
-    piece.update(scene.topology, elements, 1, serial_executor());
-    expect_elements(piece, scene.topology.mesh(), elements);
-    return piece.topology().version();
+  const cases::Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 3, 3, 2), 1, 0);
+  const Mesh& mesh = scene.topology.mesh();
+  PieceMesh piece;
+  const auto updated = [&](Index count) {
+    const Elements elements = every(1, count, mesh);
+    const bool result = update(piece, elements);
+    if (count > 0) expect_elements(piece, elements);
+    return result;
   };
-  std::vector<Index> elements = every(1, 100);
-  const std::uint64_t first = version_for(elements);
-  EXPECT_EQ(version_for(elements), first);
-  EXPECT_EQ(version_for(every(1, 90)), first);
-  EXPECT_NE(version_for(every(1, 70)), first);
-  EXPECT_NE(version_for(elements), first);
-  const std::uint64_t last = version_for(elements);
-  scene.topology.apply({.removed = {1}});
-  elements.erase(elements.begin() + 1);
-  EXPECT_NE(version_for(elements), last);
+  EXPECT_TRUE(updated(100));
+  EXPECT_FALSE(updated(100));
+  EXPECT_FALSE(updated(90));
+  EXPECT_TRUE(updated(70));
+  EXPECT_TRUE(updated(100));
+  EXPECT_TRUE(update(piece, every(1, 100, mesh), 3));
+  piece.clear();
+  EXPECT_TRUE(updated(100));
+  EXPECT_TRUE(updated(0));
+  EXPECT_TRUE(piece.empty());
+  EXPECT_FALSE(updated(0));
 }
 
 }  // namespace

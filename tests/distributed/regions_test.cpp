@@ -57,6 +57,7 @@ TEST(Regions, BoxesMeetTheRegionsWithACommonPoint) {
         std::vector<int> expected, found;
         for (int r = 0; r < ranks; ++r)
           if (meets(regions.region(r), box)) expected.push_back(r);
+        for (int r = 0; r < ranks; ++r) EXPECT_EQ(regions.region(r).meets(box), meets(regions.region(r), box));
         regions.meeting(box, [&](int r) { found.push_back(r); });
         ASSERT_EQ(found, expected);
       }

@@ -1,6 +1,7 @@
 #include <volccd/io/sequence/detail/cell_reader.hpp>
 
 #include <algorithm>
+#include <cassert>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -14,7 +15,9 @@ namespace volccd::detail {
 
 void CellReader::fail(const FrameArray& array, std::size_t row, std::size_t cell, const SequenceCells& cells,
                       const std::string& problem) const {
-  array.fail(frame_, row, fmt::format("{} (cell id {}, frame {})", problem, cells.ids[cell], frame_));
+  const std::int64_t skipped = &array == &layout_.connectivity ? first_connectivity_ : first_;
+  array.fail(frame_, static_cast<std::size_t>(skipped) + row,
+             fmt::format("{} (cell id {}, frame {})", problem, cells.ids[cell], frame_));
 }
 
 std::string CellReader::place(std::size_t frame, std::size_t i) const {
@@ -33,8 +36,11 @@ bool CellReader::have_same_cells(std::size_t frame, std::size_t other) const {
                                 same_rows(layout_.polyhedra->face_offsets) && same_rows(layout_.polyhedra->to_faces));
 }
 
-void CellReader::read(std::size_t frame, SequenceCells& cells) {
+void CellReader::read_part(std::size_t frame, std::int64_t first, std::int64_t count, SequenceCells& cells) {
+  assert(count == layout_.cells_of(frame) || !layout_.polyhedra);
   frame_ = frame;
+  first_ = first;
+  count_ = count;
   cells.clear();
   read_ids(cells);  // first, so that the errors of the other arrays can name the cell
   read_types(cells);
@@ -46,7 +52,7 @@ void CellReader::read(std::size_t frame, SequenceCells& cells) {
 }
 
 void CellReader::read_types(SequenceCells& cells) {
-  layout_.types.read(frame_, layout_.cells_of(frame_), numbers_);
+  layout_.types.read_part(frame_, first_, count_, numbers_);
   cells.types.resize(numbers_.size());
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     if (!is_element_type(numbers_[i]))
@@ -55,28 +61,35 @@ void CellReader::read_types(SequenceCells& cells) {
   }
 }
 
-void CellReader::read_monotone(const FrameArray& array, std::int64_t count, std::int64_t length,
-                               std::vector<std::int64_t>& out) const {
+void CellReader::read_monotone(const FrameArray& array, std::int64_t first, std::int64_t count, std::int64_t all,
+                               std::int64_t length, std::vector<std::int64_t>& out) const {
   const auto refuse = [&](std::size_t i, const std::string& problem) {
-    array.fail(frame_, i, fmt::format("{} (frame {})", problem, frame_));
+    array.fail(frame_, static_cast<std::size_t>(first) + i, fmt::format("{} (frame {})", problem, frame_));
   };
-  array.read(frame_, count + 1, out);
-  if (out[0] != 0) refuse(0, fmt::format("the offsets of a topology start at {}, not at 0", out[0]));
+  array.read_part(frame_, first, count + 1, out);
+  if (first == 0 && out[0] != 0) refuse(0, fmt::format("the offsets of a topology start at {}, not at 0", out[0]));
+  if (out[0] < 0 || out[0] > length)
+    refuse(0, fmt::format("the offset {} is negative, or more than {}", out[0], length));
   for (std::size_t i = 1; i < out.size(); ++i)
     if (out[i] < out[i - 1] || out[i] > length)
       refuse(i, fmt::format("the offset {} is less than the one before, or more than {}", out[i], length));
-  if (out.back() != length) refuse(out.size() - 1, fmt::format("the last offset is {}, not {}", out.back(), length));
+  if (first + count == all && out.back() != length)
+    refuse(out.size() - 1, fmt::format("the last offset is {}, not {}", out.back(), length));
 }
 
 void CellReader::read_offsets(SequenceCells& cells) {
   const std::size_t b = layout_.topology_of(frame_);
-  read_monotone(layout_.offsets, layout_.cells[b], layout_.connectivity_ids[b], numbers_);
-  cells.offsets.assign(numbers_.begin(), numbers_.end());
+  read_monotone(layout_.offsets, first_, count_, layout_.cells[b], layout_.connectivity_ids[b], numbers_);
+  first_connectivity_ = numbers_.front();
+  cells.offsets.clear();
+  for (const std::int64_t offset : numbers_)
+    cells.offsets.push_back(static_cast<std::size_t>(offset - first_connectivity_));
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::int64_t length = numbers_[i + 1] - numbers_[i];
     const ElementType type = cells.types[i];
     if (type == ElementType::polytope ? length < 4 : length != vertex_count(type))
-      fail(layout_.offsets, i + 1, i, cells, fmt::format("cell {} is a {} with {} points", i, to_string(type), length));
+      fail(layout_.offsets, i + 1, i, cells,
+           fmt::format("cell {} is a {} with {} points", number(i), to_string(type), length));
   }
 }
 
@@ -89,7 +102,7 @@ Index CellReader::slot(const FrameArray& array, std::size_t row, std::int64_t po
 
 void CellReader::read_connectivity(SequenceCells& cells) {
   const FrameArray& array = layout_.connectivity;
-  array.read(frame_, static_cast<std::int64_t>(cells.offsets.back()), numbers_);
+  array.read_part(frame_, first_connectivity_, static_cast<std::int64_t>(cells.offsets.back()), numbers_);
   cells.connectivity.resize(numbers_.size());
   repeated_.clear();
   // used_[v] == i + 1 means that vertex v occurs in cell i.
@@ -100,7 +113,7 @@ void CellReader::read_connectivity(SequenceCells& cells) {
       if (used_[v] == i + 1) {
         if (cells.types[i] == ElementType::polytope)
           fail(array, j, i, cells,
-               fmt::format("cell {} is a polyhedron that has the point id {} twice", i, order_.ids()[v]));
+               fmt::format("cell {} is a polyhedron that has the point id {} twice", number(i), order_.ids()[v]));
         if (repeated_.empty() || repeated_.back().cell != i) repeated_.push_back({i, j});
       }
       used_[v] = static_cast<Index>(i + 1);
@@ -121,8 +134,8 @@ void CellReader::collapse(SequenceCells& cells) {
         std::string ids;
         for (const Index v : spec.vertices) ids += fmt::format(" {}", order_.ids()[v]);
         fail(layout_.connectivity, next->row, i, cells,
-             fmt::format("cell {} is a {} whose points repeat, and no element is left: {}; its point ids are{}", i,
-                         to_string(spec.type), element.problem, ids));
+             fmt::format("cell {} is a {} whose points repeat, and no element is left: {}; its point ids are{}",
+                         number(i), to_string(spec.type), element.problem, ids));
       }
       ++next;
       ++collapsed_counts_[{spec.type, element.type}];
@@ -138,7 +151,7 @@ void CellReader::collapse(SequenceCells& cells) {
 void CellReader::read_objects(SequenceCells& cells) {
   cells.objects.assign(cells.size(), 0);
   if (!layout_.part_ids) return;
-  layout_.part_ids->read(frame_, static_cast<std::int64_t>(cells.size()), numbers_);
+  layout_.part_ids->read_part(frame_, first_, count_, numbers_);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     cells.objects[i] = static_cast<std::int32_t>(numbers_[i]);
     if (cells.objects[i] != numbers_[i])
@@ -148,13 +161,14 @@ void CellReader::read_objects(SequenceCells& cells) {
 
 void CellReader::read_ids(SequenceCells& cells) {
   if (!layout_.cell_ids) {
-    cells.ids.resize(static_cast<std::size_t>(layout_.cells_of(frame_)));
-    std::iota(cells.ids.begin(), cells.ids.end(), std::int64_t{0});
+    cells.ids.resize(static_cast<std::size_t>(count_));
+    std::iota(cells.ids.begin(), cells.ids.end(), first_);
     return;
   }
-  layout_.cell_ids->read(frame_, layout_.cells_of(frame_), cells.ids);
+  layout_.cell_ids->read_part(frame_, first_, count_, cells.ids);
   if (const std::optional<WrongId> wrong = find_wrong_id(cells.ids))
-    layout_.cell_ids->fail(frame_, wrong->index, fmt::format("{} (frame {})", wrong->problem, frame_));
+    layout_.cell_ids->fail(frame_, static_cast<std::size_t>(first_) + wrong->index,
+                           fmt::format("{} (frame {})", wrong->problem, frame_));
 }
 
 void CellReader::read_polyhedra(SequenceCells& cells) {
@@ -167,8 +181,9 @@ void CellReader::read_polyhedra(SequenceCells& cells) {
     fail(layout_.types, first, first, cells,
          "is a polyhedron, but VTKHDF/FaceConnectivity and the other arrays of faces are missing");
   const PolyhedronLayout& polyhedra = *layout_.polyhedra;
-  read_monotone(polyhedra.face_offsets, polyhedra.faces[b], polyhedra.face_connectivity_ids[b], face_offsets_);
-  read_monotone(polyhedra.offsets, layout_.cells[b], polyhedra.to_face_ids[b], cell_faces_);
+  read_monotone(polyhedra.face_offsets, 0, polyhedra.faces[b], polyhedra.faces[b], polyhedra.face_connectivity_ids[b],
+                face_offsets_);
+  read_monotone(polyhedra.offsets, 0, layout_.cells[b], layout_.cells[b], polyhedra.to_face_ids[b], cell_faces_);
   polyhedra.face_connectivity.read(frame_, polyhedra.face_connectivity_ids[b], face_connectivity_);
   polyhedra.to_faces.read(frame_, polyhedra.to_face_ids[b], to_faces_);
   cells.face_offsets.assign(1, 0);

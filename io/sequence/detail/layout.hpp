@@ -20,7 +20,12 @@ struct FrameArray {
   /// Replaces `out` by `count` rows of a frame.
   template <class T>
   void read(std::size_t frame, std::int64_t count, std::vector<T>& out) const {
-    data.read(first[frame], count, out);
+    read_part(frame, 0, count, out);
+  }
+  /// The same for `count` rows after the first `skip` ones.
+  template <class T>
+  void read_part(std::size_t frame, std::int64_t skip, std::int64_t count, std::vector<T>& out) const {
+    data.read(first[frame] + skip, count, out);
   }
   /// Throws an InputError for row i of a frame.
   [[noreturn]] void fail(std::size_t frame, std::size_t i, const std::string& problem) const {

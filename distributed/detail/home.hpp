@@ -1,0 +1,48 @@
+// The elements and vertices that a rank gives.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/distributed/box.hpp>
+#include <volccd/distributed/detail/vertex_import.hpp>
+#include <volccd/distributed/elements.hpp>
+#include <volccd/mesh/features.hpp>
+
+namespace volccd::distributed::detail {
+
+/// What set_mesh() was given, checked, and where the vertices of the elements are.
+class Home {
+ public:
+  Home() = default;
+  /// Collective; throws a RankError.
+  Home(Exchange& exchange, Elements elements, std::vector<std::int64_t> vertices, EdgeSet edge_set);
+
+  const Elements& elements() const { return elements_; }
+  const std::vector<std::int64_t>& vertices() const { return vertices_; }
+  EdgeSet edge_set() const { return edge_set_; }
+  const IdTable& own() const { return own_; }
+  /// The owner of elements().vertices[i].
+  int owner(std::size_t i) const { return owners_[corners_[i]]; }
+
+  /// The motion of the vertices of the elements. Collective.
+  void update(const Motion& own) { import_.update(own); }
+  /// Sets `boxes` to the swept boxes of the elements in the motion of the last update, enlarged by half the separation.
+  void make_boxes(double separation, Executor& executor, std::vector<Box>& boxes) const;
+  std::uint64_t bytes_received() const { return import_.bytes_received(); }
+
+ private:
+  void check_elements(Exchange& exchange) const;
+
+  Elements elements_;
+  std::vector<std::int64_t> vertices_;
+  EdgeSet edge_set_ = EdgeSet::triangulated;
+  IdTable own_;
+  std::vector<std::int64_t> used_;  ///< ids of the vertices of the elements, ascending
+  std::vector<int> owners_;         ///< of used_
+  std::vector<Index> corners_;      ///< for each of elements_.vertices, its position in used_
+  VertexImport import_;             ///< of used_
+};
+
+}  // namespace volccd::distributed::detail

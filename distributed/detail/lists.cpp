@@ -1,0 +1,118 @@
+#include <volccd/distributed/detail/lists.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include <volccd/distributed/detail/bytes.hpp>
+#include <volccd/pipelines/stage_clock.hpp>
+
+namespace volccd::distributed::detail {
+
+namespace {
+
+/// Centres that each rank gives, at most, to divide space: every rank sorts those of all.
+constexpr std::size_t kSamples = 512;
+
+constexpr double kMax = std::numeric_limits<double>::max();
+
+/// Finite, although a bound that a separation enlarges may be infinite.
+Vec3 centre(const Box& box) { return box.low.cwiseMax(-kMax) / 2 + box.high.cwiseMin(kMax) / 2; }
+
+void put_element(Bytes& bytes, const Home& home, std::size_t i, bool copy) {
+  const Elements& elements = home.elements();
+  const auto vertices = elements.vertices_of(i), faces = elements.faces_of(i);
+  put(bytes, elements.types[i]);
+  put(bytes, copy);
+  put(bytes, elements.objects[i]);
+  put(bytes, elements.ids[i]);
+  put(bytes, static_cast<std::uint32_t>(vertices.size()));
+  put(bytes, static_cast<std::uint32_t>(faces.size()));
+  put_values(bytes, vertices);
+  for (std::size_t k = elements.offsets[i]; k < elements.offsets[i + 1]; ++k) put(bytes, home.owner(k));
+  put_values(bytes, faces);
+}
+
+void get_element(Reader& reader, ReceivedElements& result) {
+  Elements& elements = result.elements;
+  elements.types.push_back(reader.get<ElementType>());
+  result.copies += reader.get<bool>() ? 1u : 0u;
+  elements.objects.push_back(reader.get<std::int32_t>());
+  elements.ids.push_back(reader.get<std::int64_t>());
+  const auto vertices = reader.get<std::uint32_t>(), faces = reader.get<std::uint32_t>();
+  reader.append(vertices, elements.vertices);
+  reader.append(vertices, result.owners);
+  reader.append(faces, elements.faces);
+  elements.offsets.push_back(elements.vertices.size());
+  elements.face_offsets.push_back(elements.faces.size());
+}
+
+}  // namespace
+
+Regions divide(Exchange& exchange, std::span<const Box> boxes, const Regions& present,
+               std::span<const double> density) {
+  const std::size_t stride = std::max<std::size_t>(1, (boxes.size() + kSamples - 1) / kSamples);
+  Bytes mine;
+  for (std::size_t begin = 0; begin < boxes.size(); begin += stride) {
+    double weight = 0;
+    for (std::size_t i = begin; i < std::min(begin + stride, boxes.size()); ++i)
+      weight += density.empty() ? 1 : density[static_cast<std::size_t>(present.at(centre(boxes[i])))];
+    const Vec3 point = centre(boxes[begin + (std::min(begin + stride, boxes.size()) - begin) / 2]);
+    for (int axis = 0; axis < 3; ++axis) put(mine, point[axis]);
+    put(mine, weight);
+  }
+  std::vector<Vec3> points;
+  std::vector<double> weights;
+  for (const Bytes& bytes : exchange.allgather(std::move(mine)))
+    for (Reader reader(bytes); !reader.at_end();) {
+      Vec3& point = points.emplace_back();
+      for (double& x : point) x = reader.get<double>();
+      weights.push_back(reader.get<double>());
+    }
+  return Regions(points, weights, exchange.size());
+}
+
+Box with_skin(const Box& box, double skin) {
+  if (skin == 0) return box;
+  const double width = std::min(kMax, skin * (box.high - box.low).maxCoeff());
+  return {box.low.array() - width, box.high.array() + width};
+}
+
+std::uint64_t count_meetings(std::span<const Box> boxes, double skin, const Regions& regions) {
+  std::uint64_t count = 0;
+  for (const Box& box : boxes) regions.meeting(with_skin(box, skin), [&](int) { ++count; });
+  return count;
+}
+
+ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<const Box> boxes, std::span<const Box> kept,
+                            const Regions& regions, double& seconds) {
+  std::vector<int> destinations;
+  std::vector<Bytes> messages;
+  {
+    StageClock clock;
+    const StageTimer timer(clock, seconds);
+    std::vector<Bytes> by_rank(static_cast<std::size_t>(exchange.size()));
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      const int rank_of_centre = regions.at(centre(boxes[i]));
+      regions.meeting(kept[i],
+                      [&](int r) { put_element(by_rank[static_cast<std::size_t>(r)], home, i, r != rank_of_centre); });
+    }
+    for (std::size_t r = 0; r < by_rank.size(); ++r) {
+      if (by_rank[r].empty()) continue;
+      destinations.push_back(static_cast<int>(r));
+      messages.push_back(std::move(by_rank[r]));
+    }
+  }
+  const auto graph = exchange.connect(std::move(destinations));
+  const std::vector<Bytes> received = graph->exchange(std::move(messages));
+  StageClock clock;
+  const StageTimer timer(clock, seconds);
+  ReceivedElements result;
+  for (std::size_t s = 0; s < received.size(); ++s) {
+    for (Reader reader(received[s]); !reader.at_end();) get_element(reader, result);
+    if (graph->sources()[s] != exchange.rank()) result.bytes += received[s].size();
+  }
+  return result;
+}
+
+}  // namespace volccd::distributed::detail

@@ -1,0 +1,255 @@
+#include <volccd/program/volccd_mpi/detection.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <volccd/distributed/agreement.hpp>
+#include <volccd/distributed/detector.hpp>
+#include <volccd/distributed/global_order.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/io/contacts_csv.hpp>
+#include <volccd/program/output_plan.hpp>
+#include <volccd/program/progress.hpp>
+#include <volccd/program/rank_table.hpp>
+#include <volccd/program/scene_files.hpp>
+#include <volccd/program/volccd_mpi/shared_text_file.hpp>
+#include <volccd/program/volccd_mpi/step_source.hpp>
+
+namespace volccd {
+
+namespace {
+
+using distributed::Bytes;
+using distributed::RankStatistics;
+using distributed::Reduction;
+using distributed::run_on_all;
+
+ContactRow row_of(int step, const distributed::RankContact& contact) {
+  ContactRow row{.step = step,
+                 .kind = contact.kind,
+                 .ids = contact.vertices,
+                 .toi = contact.toi,
+                 .normal = contact.normal,
+                 .point = contact.point,
+                 .has_geometry = true,
+                 .at_start = contact.at_start};
+  for (std::size_t i = 0; i < 2; ++i) row.sides[i] = {contact.objects[i], contact.elements[i]};
+  return row;
+}
+
+/// A number of 64 bits whose order is that of the doubles, which are not NaN.
+std::uint64_t ordered(double x) {
+  const auto bits = std::bit_cast<std::uint64_t>(x == 0 ? 0.0 : x);
+  return (bits >> 63) != 0 ? ~bits : bits | (std::uint64_t{1} << 63);
+}
+double from_ordered(std::uint64_t bits) {
+  return std::bit_cast<double>((bits >> 63) != 0 ? bits & ~(std::uint64_t{1} << 63) : ~bits);
+}
+
+class RankDetection {
+ public:
+  RankDetection(distributed::MpiExchange& exchange, ContactQueryOptions options, const ReportOptions& report,
+                const Registry& registry)
+      : exchange_(exchange), options_(std::move(options)), report_(report) {
+    open();
+    detector_.emplace(exchange, registry, spec_of(registry),
+                      distributed::Config{.executor = executor_.get(), .filter = options_.query.filter(), .skin = 0});
+    if (!options_.contacts.empty()) contacts_.emplace(exchange, options_.contacts);
+    if (!options_.overlaps.empty()) overlaps_.emplace(exchange, options_.overlaps);
+    if (contacts_) contacts_->write(first() ? contacts_csv_header() : "");
+    if (overlaps_) overlaps_->write(first() ? "step,a,b\n" : "");
+  }
+
+  void run() {
+    Progress progress("detecting", static_cast<std::size_t>(range_.end - range_.begin), "steps");
+    for (int k = range_.begin; k < range_.end; ++k) {
+      run_step(k);
+      progress.advance(static_cast<std::size_t>(k + 1 - range_.begin));
+    }
+    if (contacts_) contacts_->finish();
+    if (overlaps_) overlaps_->finish();
+    print();
+  }
+
+ private:
+  bool first() const { return exchange_.rank() == 0; }
+
+  /// Rank 0 goes first, because it may have to make the sequence of a scene.
+  void open() {
+    for (const bool turn : {first(), !first()})
+      run_on_all(exchange_, "options", [&] {
+        if (!turn) return;
+        options_.sequence.file = sequence_file(options_.sequence.file);
+        OutputPlan plan;
+        plan.input("FILE", options_.sequence.file);
+        if (first()) plan.output("--contacts", options_.contacts, "all processes write to it");
+        if (first()) plan.output("--overlaps", options_.overlaps, "all processes write to it");
+        plan.check();
+        request_ = options_.request();
+        executor_ = make_interruptible_executor(options_.query.threads);
+        reader_.emplace(options_.sequence.file);
+        if (first()) warn_of_incomplete(*reader_);
+        range_ = parse_steps(options_.sequence.steps, reader_->frame_count() - 1, options_.sequence.file);
+        source_ = make_step_source(*reader_, options_.sequence.stepper(), exchange_.rank(), exchange_.size());
+      });
+  }
+
+  PipelineSpec spec_of(const Registry& registry) {
+    PipelineSpec spec;
+    run_on_all(exchange_, "options", [&] { spec = options_.spec(registry); });
+    return spec;
+  }
+
+  void run_step(int k) {
+    bool changed = false;
+    run_on_all(exchange_, "reading", [&] {
+      InterruptGuard::check();
+      changed = source_->go_to(k, *executor_);
+    });
+    detector_->set_separation(options_.query.separation.value_or(query_separation()));
+    if (changed) {
+      distributed::Elements elements = source_->elements();
+      if (k == range_.begin) check_first_step(k, elements);
+      detector_->set_mesh(std::move(elements), source_->vertices(), options_.sequence.stepper().edge_set);
+    }
+    const distributed::RankResult& result = detector_->step(source_->motion(), request_);
+    write(k, result);
+    add_row(k, result);
+    sum_ += result.rank;
+  }
+
+  /// Of the query of this step: the same on all ranks that have points.
+  double query_separation() {
+    std::uint64_t greatest = ordered(source_->separation());
+    exchange_.allreduce({&greatest, 1}, Reduction::max);
+    const double separation = from_ordered(greatest);
+    run_on_all(exchange_, "reading", [&] {
+      if (source_->motion().vertex_count() > 0 && source_->separation() != separation)
+        throw InputError(options_.sequence.file, "VTKHDF/PointData/QuerySeparation",
+                         fmt::format("is not the same at all points: {} and {}", source_->separation(), separation));
+    });
+    return separation;
+  }
+
+  /// As QueryOptions::check, with the points of the file in place of the vertices in use.
+  void check_first_step(int k, const distributed::Elements& elements) {
+    if (options_.query.pairs == "inter") warn_of_one_object(k, elements);
+    const Motion& motion = source_->motion();
+    std::vector<std::uint64_t> bounds(6, 0);  // maxima of the coordinates and of their negatives
+    for (Index v = 0; v < motion.vertex_count(); ++v)
+      for (int c = 0; c < motion.control_points(); ++c)
+        for (int i = 0; i < 3; ++i) {
+          const double x = motion.point(v, c)[i];
+          auto &most = bounds[static_cast<std::size_t>(i)], &least = bounds[static_cast<std::size_t>(i + 3)];
+          most = std::max(most, ordered(x));
+          least = std::max(least, ordered(-x));
+        }
+    exchange_.allreduce(bounds, Reduction::max);
+    Vec3 size;
+    for (std::size_t i = 0; i < 3; ++i) size[static_cast<Eigen::Index>(i)] = from_ordered(bounds[i]) + from_ordered(bounds[i + 3]);
+    if (const double diagonal = size.stableNorm(); !(detector_->separation() <= diagonal))
+      throw distributed::RankError(
+          fmt::format("--separation: {:g} is greater than the diagonal {:g} of the box around the scene in step {}: "
+                      "all features would be in contact",
+                      detector_->separation(), diagonal, k));
+  }
+
+  void warn_of_one_object(int k, const distributed::Elements& elements) {
+    std::uint64_t least = ordered(std::numeric_limits<double>::infinity()), greatest = 0;
+    for (const std::int32_t object : elements.objects) {
+      least = std::min(least, ordered(object));
+      greatest = std::max(greatest, ordered(object));
+    }
+    exchange_.allreduce({&least, 1}, Reduction::min);
+    exchange_.allreduce({&greatest, 1}, Reduction::max);
+    if (first() && least == greatest)
+      fmt::print(stderr,
+                 "volccd-mpi: warning: all elements of step {} belong to object {}, so there are no pairs between "
+                 "objects; --parts components makes each connected component an object\n",
+                 k, from_ordered(least));
+  }
+
+  void write(int k, const distributed::RankResult& result) {
+    if (contacts_) {
+      const auto sorted = sort_over_ranks(exchange_, result.contacts);
+      std::string text;
+      run_on_all(exchange_, "output", [&] {
+        for (const distributed::RankContact& contact : sorted)
+          append_csv_row(row_of(k, contact), options_.contacts, text);
+      });
+      contacts_->write(text);
+    }
+    if (overlaps_) {
+      std::string text;
+      for (const auto& [a, b] : sort_over_ranks(exchange_, result.initial_overlaps))
+        text += fmt::format("{},{},{}\n", k, a, b);
+      overlaps_->write(text);
+    }
+  }
+
+  void add_row(int k, const distributed::RankResult& result) {
+    double earliest = std::numeric_limits<double>::infinity();
+    for (const distributed::RankContact& contact : result.contacts) earliest = std::min(earliest, contact.toi);
+    std::uint64_t sums[] = {result.contacts.size(), result.rank.tests, result.initial_overlaps.size(),
+                            static_cast<std::uint64_t>(1e9 * result.rank.seconds),
+                            source_->motion().vertex_count(), result.rank.elements - result.rank.copies};
+    std::uint64_t least = ordered(earliest), slowest = sums[3];
+    exchange_.allreduce(sums, Reduction::sum);
+    exchange_.allreduce({&least, 1}, Reduction::min);
+    exchange_.allreduce({&slowest, 1}, Reduction::max);
+    earliest = from_ordered(least);
+    rows_.push_back({std::to_string(k), grouped(sums[1]), grouped(sums[0]),
+                     std::isfinite(earliest) ? fmt::format("{:.6f}", earliest) : "-",
+                     fmt::format("{:.2f}", 1e-6 * static_cast<double>(slowest))});
+    if (overlaps_) rows_.back().insert(rows_.back().begin() + 3, grouped(sums[2]));
+    elements_ += sums[5];
+  }
+
+  void print() {
+    std::vector<RankStatistics> ranks;
+    const auto* const mine = reinterpret_cast<const std::byte*>(&sum_);
+    for (const Bytes& bytes : exchange_.allgather(Bytes(mine, mine + sizeof sum_)))
+      std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::byte*>(&ranks.emplace_back()));
+    if (!first()) return;
+    std::vector<std::string> header = {"step", "tests", "contacts", "earliest t", "slowest rank [ms]"};
+    if (overlaps_) header.insert(header.begin() + 3, "initial overlaps");
+    TextTable table(header);
+    for (const auto& row : rows_) table.add(row);
+    const Report report(report_);
+    report.print("{}: {}, {}, {} ranks with {} thread(s) each\n\n{}\n{}", options_.sequence.file,
+                 detector_->pipeline().spec().name, to_string(detector_->pipeline().guarantee()), exchange_.size(),
+                 executor_->workers(), table.text(), rank_table(ranks, elements_));
+    if (contacts_) report.print("\ncontacts written to {}\n", contacts_->name());
+    if (overlaps_) report.print("{}initial overlaps written to {}\n", contacts_ ? "" : "\n", overlaps_->name());
+  }
+
+  const InterruptGuard guard_;
+  distributed::MpiExchange& exchange_;
+  ContactQueryOptions options_;
+  const ReportOptions& report_;
+  Request request_;
+  std::unique_ptr<Executor> executor_;
+  std::optional<SequenceReader> reader_;
+  StepRange range_;
+  std::unique_ptr<StepSource> source_;
+  std::optional<distributed::Detector> detector_;
+  std::optional<SharedTextFile> contacts_, overlaps_;
+  std::vector<std::vector<std::string>> rows_;  ///< of the table of steps
+  RankStatistics sum_;
+  std::uint64_t elements_ = 0;  ///< of the mesh, in all steps
+};
+
+}  // namespace
+
+void detect_on_ranks(distributed::MpiExchange& exchange, ContactQueryOptions options, const ReportOptions& report,
+                     const Registry& registry) {
+  RankDetection(exchange, std::move(options), report, registry).run();
+}
+
+}  // namespace volccd
