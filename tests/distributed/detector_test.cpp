@@ -198,6 +198,45 @@ TEST(RankDetector, ListsAndRegionsChangeWhenTheyMust) {
   }
 }
 
+/// A block slides along another one in small steps, upwards on one axis: boxes leave theirs with skin on that side
+/// alone, and cross into other regions before that.
+TEST(RankDetector, ListsFollowASlidingBlock) {
+  Shape both;
+  both.append(block(ElementType::tetrahedron, 8, 1, 1), 1);
+  const std::size_t fixed = both.positions.size();
+  Shape slider = block(ElementType::tetrahedron, 2, 1, 1);
+  both.append(slider.translate(Vec3(0.05, 0.1, 0.7)), 2);
+  const Topology topology(both.mesh());
+  const auto shifted = [&](double x) {
+    std::vector<Vec3> positions = both.positions;
+    for (std::size_t v = fixed; v < positions.size(); ++v) positions[v].x() += x;
+    return positions;
+  };
+  StepRunner runner(Pipeline(registry(), exact_spec()));
+  auto parts = divided(topology.mesh(), Motion::linear(both.positions, both.positions), 7, 7, 4);
+  std::uint64_t lists = 0;
+  std::size_t contacts = 0;
+  on_ranks(parts, [&](Exchange& exchange, Part& part) {
+    Detector detector(exchange, registry(), exact_spec(), {.skin = 1, .max_imbalance = 1e9});
+    detector.set_mesh(part.elements, part.ids);
+    for (int step = 0; step < 50; ++step) {
+      const Motion motion = Motion::linear(shifted(0.1 * step), shifted(0.1 * (step + 1)));
+      set_motion(part, motion);
+      const auto gathered = exchange.allgather(to_bytes(detector.step(part.motion).contacts));
+      if (exchange.rank() != 0) continue;
+      std::vector<RankContact> all;
+      for (const Bytes& bytes : gathered)
+        for (const RankContact& contact : contacts_of(bytes)) all.push_back(contact);
+      EXPECT_EQ(sorted(all), with_ids(runner.run(topology, motion).contacts, topology.mesh())) << step;
+      lists += detector.result().rank.lists;
+      contacts += all.size();
+    }
+  });
+  EXPECT_GT(contacts, 200u);
+  EXPECT_GT(lists, 2u);
+  EXPECT_LT(lists, 15u);
+}
+
 TEST(RankDetector, Edits) {
   Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 3, 2, 2), 6, 0.2);
   StepRunner runner(Pipeline(registry(), exact_spec()));
