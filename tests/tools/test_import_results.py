@@ -386,6 +386,7 @@ class Results(Importer):
         for k, fall in enumerate(FALL):
             np.testing.assert_allclose(points[k, :16], two_cubes(fall), atol=1e-6)
         self.assertEqual(read["PointData/Velocity"][8].tolist(), [0, 0, -1.5])
+        self.bad(self.path("d3plot01"), says="d3plot01: is a further file of the family: give d3plot")
         self.bad(self.path("x.d3plot", "junk"), says="x.d3plot: is no d3plot of LS-DYNA")
         with open(self.path("d3plot"), "r+b") as file:
             file.truncate(400)

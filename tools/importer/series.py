@@ -2,6 +2,7 @@
 
 import dataclasses
 import os
+import re
 import typing
 import xml.etree.ElementTree as ET
 
@@ -70,6 +71,8 @@ def sources_of(file):
         return [Source(file, lambda: (vtk_grids.pieces(file), "", None), in_pieces=True)]
     if extension == ".inp":
         return [Source(file, lambda: abaqus.read(file))]
+    if re.search(r"d3plot\d+$", file.lower()):
+        raise BadInput(file, "", "is a further file of the family: give d3plot, which is read with all of them")
     if extension not in FORMATS:
         advice = ADVICE.get(extension)
         if advice:
