@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Geometry>
-
 #include <volccd/core/error.hpp>
+#include <volccd/oracle/cases/portable_functions.hpp>
 
 namespace volccd {
 
@@ -29,10 +28,23 @@ constexpr double kReach = 1.1;                    // radius, around the path of 
 // distance by which the block has passed an element before the element is removed
 constexpr double kDelay = 0.3;
 
+/// The rotation by `z` about the z axis, then by `y` about the y axis.
+Eigen::Matrix3d turned(double y, double z) {
+  const double cy = portable_cos(y), sy = portable_sin(y), cz = portable_cos(z), sz = portable_sin(z);
+  Eigen::Matrix3d axes;
+  axes << cy * cz, -cy * sz, sy, sz, cz, 0, -sy * cz, sy * sz, cy;
+  return axes;
+}
+
+/// m p, summed in this order on every processor, as Eigen's product is not.
+Vec3 product(const Eigen::Matrix3d& m, const Vec3& p) {
+  const auto row = [&](int i) { return m(i, 0) * p.x() + m(i, 1) * p.y() + m(i, 2) * p.z(); };
+  return {row(0), row(1), row(2)};
+}
+
 /// The block's rest frame. The origin is the midpoint of its leading end; z points backwards along its path.
 struct Flight {
-  Eigen::Matrix3d axes =
-      (Eigen::AngleAxisd(0.21, Vec3::UnitY()) * Eigen::AngleAxisd(0.35, Vec3::UnitZ())).toRotationMatrix();
+  Eigen::Matrix3d axes = turned(0.21, 0.35);
 
   Vec3 backwards() const { return axes.col(2); }
   double travel(double time) const { return kSpeed * time * (1 - kSlowing * time / kDuration); }
@@ -44,8 +56,8 @@ struct Flight {
 
 /// A displacement that keeps faces from being planar.
 Vec3 ripple(const Vec3& p, double amount) {
-  return amount * Vec3(std::sin(5.1 * p.y() + 3.3 * p.z()), std::sin(4.7 * p.z() + 2.9 * p.x()),
-                       std::sin(5.5 * p.x() + 3.7 * p.y()));
+  return amount * Vec3(portable_sin(5.1 * p.y() + 3.3 * p.z()), portable_sin(4.7 * p.z() + 2.9 * p.x()),
+                       portable_sin(5.5 * p.x() + 3.7 * p.y()));
 }
 
 class Penetration final : public Scene {
@@ -95,10 +107,10 @@ class Penetration final : public Scene {
 
   /// The leading end is upset: it is compressed along the path and spreads.
   Vec3 shot_point(const Vec3& p, double t) const {
-    const double upset = 0.4 * std::min(1.0, flight_.depth(t) / 2) * std::exp(-p.z() / 0.6);
+    const double upset = 0.4 * std::min(1.0, flight_.depth(t) / 2) * portable_exp(-p.z() / 0.6);
     Vec3 local(p.x() * (1 + 0.6 * upset), p.y() * (1 + 0.6 * upset), p.z() + upset);
     local += ripple(p, 0.008 + 0.012 * std::min(1.0, flight_.depth(t)));
-    return flight_.tip(t) + flight_.axes * local;
+    return flight_.tip(t) + product(flight_.axes, local);
   }
 
   /// The plate is dented and pushed aside around the path of the block.
@@ -106,8 +118,8 @@ class Penetration final : public Scene {
     const double depth = flight_.depth(t);
     const Vec3 way = flight_.backwards();
     const Vec3 aside = p - way * (p.z() / way.z());
-    const double r = std::hypot(aside.x(), aside.y()) / kReach;
-    const double near = std::exp(-r * r) * std::min(1.0, depth / kPlateThickness);
+    const double r = portable_hypot(aside.x(), aside.y()) / kReach;
+    const double near = portable_exp(-r * r) * std::min(1.0, depth / kPlateThickness);
     const Vec3 pushed(0.3 * near * aside.x(), 0.3 * near * aside.y(), -0.45 * near);
     return p + pushed + ripple(p, 0.01 + 0.02 * near);
   }
@@ -117,8 +129,8 @@ class Penetration final : public Scene {
     for (const Index v : rest_.elements[element].vertices) centre += rest_.positions[v] / 8;
     const double depth = flight_.depth(t);
     if (rest_.elements[element].object == 1)
-      return centre.z() < 0.35 * (depth - 0.9) - 0.3 * std::abs(std::hypot(centre.x(), centre.y()) - 0.4);
-    const Vec3 local = flight_.axes.transpose() * (plate_point(centre, t) - flight_.tip(t));
+      return centre.z() < 0.35 * (depth - 0.9) - 0.3 * std::abs(portable_hypot(centre.x(), centre.y()) - 0.4);
+    const Vec3 local = product(flight_.axes.transpose(), plate_point(centre, t) - flight_.tip(t));
     return local.z() > kDelay && std::max(std::abs(local.x()), std::abs(local.y())) < kBlockWidth / 2 + 0.1;
   }
 

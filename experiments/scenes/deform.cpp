@@ -11,6 +11,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/experiments/scenes/stacking.hpp>
+#include <volccd/oracle/cases/portable_functions.hpp>
 
 namespace volccd {
 
@@ -72,7 +73,7 @@ double default_amount(DeformKind kind, const Measure& m, int motions) {
   const double way = m.edge * motions;
   switch (kind) {
     case DeformKind::twist:
-      return std::min(180.0, way / (0.25 * std::hypot(m.extent[1], m.extent[2]) + m.edge / 4) / kDegree);
+      return std::min(180.0, way / (0.25 * portable_hypot(m.extent[1], m.extent[2]) + m.edge / 4) / kDegree);
     case DeformKind::bend: return std::min(180.0, 8 * way / m.extent[0] / kDegree);
     case DeformKind::squeeze: return std::min(0.5, 2 * way / m.extent[0]);
     case DeformKind::jitter: return 0.3;
@@ -146,8 +147,8 @@ class Deform final : public Scene {
     const Vec3 d = p - measure_.centre;
     const double a = angle * d[u] / measure_.extent[0];
     Vec3 q = p;
-    q[v] = measure_.centre[v] + std::cos(a) * d[v] - std::sin(a) * d[w];
-    q[w] = measure_.centre[w] + std::sin(a) * d[v] + std::cos(a) * d[w];
+    q[v] = measure_.centre[v] + portable_cos(a) * d[v] - portable_sin(a) * d[w];
+    q[w] = measure_.centre[w] + portable_sin(a) * d[v] + portable_cos(a) * d[w];
     return q;
   }
 
@@ -156,10 +157,10 @@ class Deform final : public Scene {
     if (angle == 0) return p;
     const int u = measure_.axes[0], w = measure_.axes[2];
     const Vec3 d = p - measure_.centre;
-    const double radius = measure_.extent[0] / angle, a = d[u] / radius, half = std::sin(a / 2);
+    const double radius = measure_.extent[0] / angle, a = d[u] / radius, half = portable_sin(a / 2);
     Vec3 q = p;
-    q[u] = measure_.centre[u] + (radius - d[w]) * std::sin(a);
-    q[w] = measure_.centre[w] + d[w] * std::cos(a) + 2 * radius * half * half;
+    q[u] = measure_.centre[u] + (radius - d[w]) * portable_sin(a);
+    q[w] = measure_.centre[w] + d[w] * portable_cos(a) + 2 * radius * half * half;
     return q;
   }
 
