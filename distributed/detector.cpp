@@ -118,8 +118,8 @@ struct Detector::State {
   bool divided = false;  ///< whether `regions` are those of the ranks
   detail::Imbalance imbalance;
 
-  std::vector<Box> boxes, kept_boxes;  ///< of the elements of this rank: in this step, and with the skin of the lists
-  std::uint64_t listed = 0;            ///< count_meetings() when the lists were made
+  std::vector<Box> boxes;   ///< of the elements of this rank in this step
+  detail::Targets targets;  ///< the ranks that hold them
   bool lists_made = false;
   std::uint64_t held = 0, copies = 0;  ///< elements in the list that this rank received
   PieceMesh piece;
@@ -249,12 +249,9 @@ void Detector::State::check_step(const Motion& own, const Request& request) {
 /// Whether the lists have all elements that ranks need now, and not many more.
 bool Detector::State::lists_hold(const Request& request) const {
   if (piece_config.vertex_group != (request.leave_out_shell_neighbours ? 3 : 1)) return false;
-  for (std::size_t i = 0; i < boxes.size(); ++i)
-    if (!((boxes[i].low.array() >= kept_boxes[i].low.array()).all() &&
-          (boxes[i].high.array() <= kept_boxes[i].high.array()).all()))
-      return false;
-  const std::uint64_t needed = detail::count_meetings(boxes, config.skin, regions);
-  return listed <= needed + needed / 4;
+  if (!targets.cover(boxes, regions)) return false;
+  const std::size_t needed = detail::count_pairs(boxes, config.skin, regions);
+  return targets.pairs() <= needed + needed / 4;
 }
 
 /// Divides space if that is due, gives elements to ranks, and makes the piece of this rank if the present one does not
@@ -271,11 +268,9 @@ void Detector::State::make_lists(const Request& request) {
   {
     StageClock clock;
     const StageTimer timer(clock, seconds);
-    kept_boxes.resize(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) kept_boxes[i] = detail::with_skin(boxes[i], config.skin);
-    listed = detail::count_meetings(boxes, config.skin, regions);
+    targets = detail::Targets(boxes, config.skin, regions);
   }
-  const detail::ReceivedElements received = detail::distribute(exchange, *home, boxes, kept_boxes, regions, seconds);
+  const detail::ReceivedElements received = detail::distribute(exchange, *home, boxes, targets, regions, seconds);
   held = received.elements.size();
   copies = received.copies;
   result.rank.bytes_received += received.bytes;

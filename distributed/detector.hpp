@@ -24,7 +24,8 @@ struct Config {
   /// The pairs of objects whose contacts are found.
   ObjectFilter filter = {};
   /// Lists of elements are made with boxes that are greater by this part of their longest side on each side, and are
-  /// kept while no box leaves its greater one; finite, >= 0. Greater: fewer new lists, more elements on each rank.
+  /// kept while no box meets another region than its greater one did; finite, >= 0. Greater: fewer new lists, more
+  /// elements on each rank.
   double skin = 0.2;
   /// Regions are divided anew after steps in which the slowest rank took more than this many times the mean of all,
   /// first after three such steps, then after twice as many each time. Infinity: regions stay.

@@ -9,6 +9,7 @@
 #include <volccd/culling/o_set/o_set.hpp>
 #include <volccd/culling/stars/suspect_orphans.hpp>
 #include <volccd/culling/stars/suspect_pairs.hpp>
+#include <volccd/culling/stars/suspect_share.hpp>
 #include <volccd/culling/stars/vertex_stars.hpp>
 
 namespace volccd {

@@ -19,6 +19,13 @@ constexpr double kMax = std::numeric_limits<double>::max();
 /// Finite, although a bound that a separation enlarges may be infinite.
 Vec3 centre(const Box& box) { return box.low.cwiseMax(-kMax) / 2 + box.high.cwiseMin(kMax) / 2; }
 
+/// The box that is greater by the part `skin` of its longest side on each side. Contains the box.
+Box with_skin(const Box& box, double skin) {
+  if (skin == 0) return box;
+  const double width = std::min(kMax, skin * (box.high - box.low).maxCoeff());
+  return {box.low.array() - width, box.high.array() + width};
+}
+
 void put_element(Bytes& bytes, const Home& home, std::size_t i, bool copy) {
   const Elements& elements = home.elements();
   const auto vertices = elements.vertices_of(i), faces = elements.faces_of(i);
@@ -72,19 +79,31 @@ Regions divide(Exchange& exchange, std::span<const Box> boxes, const Regions& pr
   return Regions(points, weights, exchange.size());
 }
 
-Box with_skin(const Box& box, double skin) {
-  if (skin == 0) return box;
-  const double width = std::min(kMax, skin * (box.high - box.low).maxCoeff());
-  return {box.low.array() - width, box.high.array() + width};
+Targets::Targets(std::span<const Box> boxes, double skin, const Regions& regions) {
+  begins_.reserve(boxes.size() + 1);
+  ranks_.reserve(boxes.size());
+  for (const Box& box : boxes) {
+    regions.meeting(with_skin(box, skin), [&](int r) { ranks_.push_back(r); });
+    begins_.push_back(ranks_.size());
+  }
 }
 
-std::uint64_t count_meetings(std::span<const Box> boxes, double skin, const Regions& regions) {
-  std::uint64_t count = 0;
+bool Targets::cover(std::span<const Box> boxes, const Regions& regions) const {
+  bool covered = true;
+  for (std::size_t i = 0; covered && i < boxes.size(); ++i) {
+    const std::span<const int> ranks = (*this)[i];
+    regions.meeting(boxes[i], [&](int r) { covered = covered && std::ranges::find(ranks, r) != ranks.end(); });
+  }
+  return covered;
+}
+
+std::size_t count_pairs(std::span<const Box> boxes, double skin, const Regions& regions) {
+  std::size_t count = 0;
   for (const Box& box : boxes) regions.meeting(with_skin(box, skin), [&](int) { ++count; });
   return count;
 }
 
-ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<const Box> boxes, std::span<const Box> kept,
+ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<const Box> boxes, const Targets& targets,
                             const Regions& regions, double& seconds) {
   std::vector<int> destinations;
   std::vector<Bytes> messages;
@@ -92,10 +111,9 @@ ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<cons
     StageClock clock;
     const StageTimer timer(clock, seconds);
     std::vector<Bytes> by_rank(static_cast<std::size_t>(exchange.size()));
-    for (std::size_t i = 0; i < kept.size(); ++i) {
+    for (std::size_t i = 0; i < targets.size(); ++i) {
       const int rank_of_centre = regions.at(centre(boxes[i]));
-      regions.meeting(kept[i],
-                      [&](int r) { put_element(by_rank[static_cast<std::size_t>(r)], home, i, r != rank_of_centre); });
+      for (const int r : targets[i]) put_element(by_rank[static_cast<std::size_t>(r)], home, i, r != rank_of_centre);
     }
     for (std::size_t r = 0; r < by_rank.size(); ++r) {
       if (by_rank[r].empty()) continue;

@@ -22,14 +22,32 @@ struct ReceivedElements {
 /// weights of 1. The same on all ranks. Collective.
 Regions divide(Exchange& exchange, std::span<const Box> boxes, const Regions& present, std::span<const double> density);
 
-/// The box that is greater by the part `skin` of its longest side on each side. Contains the box.
-Box with_skin(const Box& box, double skin);
+/// For each box, in CSR form, the ranks whose regions meet the box that is greater by the part `skin` of its longest
+/// side on each side; ascending.
+class Targets {
+ public:
+  Targets() = default;
+  Targets(std::span<const Box> boxes, double skin, const Regions& regions);
 
-/// Number of pairs of a box and a rank whose region it meets, for boxes with skin.
-std::uint64_t count_meetings(std::span<const Box> boxes, double skin, const Regions& regions);
+  std::size_t size() const { return begins_.size() - 1; }
+  std::span<const int> operator[](std::size_t i) const {
+    return std::span(ranks_).subspan(begins_[i], begins_[i + 1] - begins_[i]);
+  }
+  /// Number of pairs of a box and a rank.
+  std::size_t pairs() const { return ranks_.size(); }
+  /// Whether these boxes, in the same order, meet no other regions.
+  bool cover(std::span<const Box> boxes, const Regions& regions) const;
 
-/// Sends each element to the ranks whose regions its kept box meets. Collective.
-ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<const Box> boxes, std::span<const Box> kept,
+ private:
+  std::vector<std::size_t> begins_{0};
+  std::vector<int> ranks_;
+};
+
+/// Targets(boxes, skin, regions).pairs().
+std::size_t count_pairs(std::span<const Box> boxes, double skin, const Regions& regions);
+
+/// Sends each element to its targets. `boxes`: their centres tell which elements are copies. Collective.
+ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<const Box> boxes, const Targets& targets,
                             const Regions& regions, double& seconds);
 
 }  // namespace volccd::distributed::detail

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -17,10 +18,11 @@ int run_or_abort(const char* name, FunctionRef<int(MpiExchange&)> body) {
   int rank = 0, size = 1;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &size);
+  std::optional<MpiExchange> exchange;  // outlives the messages below: to destroy it is collective
   try {
-    MpiExchange exchange(MPI_COMM_WORLD);
+    exchange.emplace(MPI_COMM_WORLD);
     try {
-      return body(exchange);
+      return body(*exchange);
     } catch (const RankError& error) {
       if (rank == 0) fmt::print(stderr, "{}: {}\n", name, error.what());
       return kFailed;

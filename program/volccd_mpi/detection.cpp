@@ -60,13 +60,27 @@ class RankDetection {
     open();
     detector_.emplace(exchange, registry, spec_of(registry),
                       distributed::Config{.executor = executor_.get(), .filter = options_.query.filter(), .skin = 0});
-    if (!options_.contacts.empty()) contacts_.emplace(exchange, options_.contacts);
-    if (!options_.overlaps.empty()) overlaps_.emplace(exchange, options_.overlaps);
-    if (contacts_) contacts_->write(first() ? contacts_csv_header() : "");
-    if (overlaps_) overlaps_->write(first() ? "step,a,b\n" : "");
   }
 
   void run() {
+    try {
+      run_steps_on_ranks();
+    } catch (const distributed::RankError&) {
+      if (contacts_) contacts_->discard();
+      if (overlaps_) overlaps_->discard();
+      throw;
+    }
+    print();
+  }
+
+ private:
+  bool first() const { return exchange_.rank() == 0; }
+
+  void run_steps_on_ranks() {
+    if (!options_.contacts.empty()) contacts_.emplace(exchange_, options_.contacts);
+    if (!options_.overlaps.empty()) overlaps_.emplace(exchange_, options_.overlaps);
+    if (contacts_) contacts_->write(first() ? contacts_csv_header() : "");
+    if (overlaps_) overlaps_->write(first() ? "step,a,b\n" : "");
     Progress progress("detecting", static_cast<std::size_t>(range_.end - range_.begin), "steps");
     for (int k = range_.begin; k < range_.end; ++k) {
       run_step(k);
@@ -74,11 +88,7 @@ class RankDetection {
     }
     if (contacts_) contacts_->finish();
     if (overlaps_) overlaps_->finish();
-    print();
   }
-
- private:
-  bool first() const { return exchange_.rank() == 0; }
 
   /// Rank 0 goes first, because it may have to make the sequence of a scene.
   void open() {
@@ -152,7 +162,8 @@ class RankDetection {
         }
     exchange_.allreduce(bounds, Reduction::max);
     Vec3 size;
-    for (std::size_t i = 0; i < 3; ++i) size[static_cast<Eigen::Index>(i)] = from_ordered(bounds[i]) + from_ordered(bounds[i + 3]);
+    for (std::size_t i = 0; i < 3; ++i)
+      size[static_cast<Eigen::Index>(i)] = from_ordered(bounds[i]) + from_ordered(bounds[i + 3]);
     if (const double diagonal = size.stableNorm(); !(detector_->separation() <= diagonal))
       throw distributed::RankError(
           fmt::format("--separation: {:g} is greater than the diagonal {:g} of the box around the scene in step {}: "
@@ -196,8 +207,8 @@ class RankDetection {
   void add_row(int k, const distributed::RankResult& result) {
     double earliest = std::numeric_limits<double>::infinity();
     for (const distributed::RankContact& contact : result.contacts) earliest = std::min(earliest, contact.toi);
-    std::uint64_t sums[] = {result.contacts.size(), result.rank.tests, result.initial_overlaps.size(),
-                            static_cast<std::uint64_t>(1e9 * result.rank.seconds),
+    std::uint64_t sums[] = {result.contacts.size(),           result.rank.tests,
+                            result.initial_overlaps.size(),   static_cast<std::uint64_t>(1e9 * result.rank.seconds),
                             source_->motion().vertex_count(), result.rank.elements - result.rank.copies};
     std::uint64_t least = ordered(earliest), slowest = sums[3];
     exchange_.allreduce(sums, Reduction::sum);

@@ -8,8 +8,8 @@
 
 namespace volccd {
 
-/// The contacts of the steps of a sequence, by all ranks. Files have the bytes that `volccd detect` writes; rank 0 prints
-/// the tables. Collective; throws a RankError.
+/// The contacts of the steps of a sequence, by all ranks. Files have the bytes that `volccd detect` writes; rank 0
+/// prints the tables. Collective; throws a RankError.
 void detect_on_ranks(distributed::MpiExchange& exchange, ContactQueryOptions options, const ReportOptions& report,
                      const Registry& registry);
 

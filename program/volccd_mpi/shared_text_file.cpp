@@ -25,7 +25,7 @@ SharedTextFile::SharedTextFile(distributed::MpiExchange& exchange, std::string n
   run_on_all(exchange, "output", [&] { check(code, "cannot be opened"); });
 }
 
-SharedTextFile::~SharedTextFile() {
+void SharedTextFile::discard() {
   if (file_ != MPI_FILE_NULL) MPI_File_close(&file_);
 }
 

@@ -25,8 +25,8 @@ class StepSource {
   virtual double separation() const = 0;
 };
 
-/// Reads its part alone where that is enough: linear and query motion, shells as surfaces, stored objects, no polyhedra.
-/// Otherwise reads all of each frame. The reader must outlive the source.
+/// Reads its part alone where that is enough: linear and query motion, shells as surfaces, stored objects, no
+/// polyhedra. Otherwise reads all of each frame. The reader must outlive the source.
 std::unique_ptr<StepSource> make_step_source(SequenceReader& reader, const SequenceStepper::Config& config, int rank,
                                              int ranks);
 

@@ -119,6 +119,12 @@ class Program(unittest.TestCase):
             self.assertEqual(len(lines), 1, lines)
             self.assertIn(part, lines[0])
 
+    def test_an_output_that_cannot_be_opened(self):
+        lines = self.refused("-n", "3", VOLCCD_MPI, "detect", self.sequence, "--contacts", self.path("contacts.csv"),
+                             "--overlaps", self.path("none/overlaps.csv"))
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn("none/overlaps.csv", lines[0])
+
     def test_ranks_with_other_options_do_not_hang(self):
         detect = (VOLCCD_MPI, "detect", self.sequence)
         for options, part in ((("--separation", "0.1"), "request of a step must be the same on all ranks"),
