@@ -411,9 +411,10 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
       ->allow_extra_args(false);
   command->add_option("--contacts", options->contacts, "write the contacts as CSV")->type_name("FILE");
   command
-      ->add_option("--vtk", options->vtk,
-                   "for ParaView: F.vtp has a point for each contact, with normals, times, kinds, objects; F.pvd is a series "
-                   "of the features in contact at the end of each step, in F_0000.vtp, ...")
+      ->add_option(
+          "--vtk", options->vtk,
+          "for ParaView: F.vtp has a point for each contact, with normals, times, kinds, objects; F.pvd is a series "
+          "of the features in contact at the end of each step, in F_0000.vtp, ...")
       ->type_name("FILE");
   command
       ->add_option("--overlaps", options->overlaps,
