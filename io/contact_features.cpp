@@ -69,7 +69,8 @@ std::vector<Index> vertices_of(const std::vector<Feature>& features) {
 /// The cells with `corners` corners, as the element `name`.
 std::string cells(const char* name, int corners, const std::vector<Feature>& features,
                   const std::vector<Index>& vertices, detail::AppendedArrays& arrays) {
-  const auto begin = std::find_if(features.begin(), features.end(), [&](const Feature& f) { return f.corners == corners; });
+  const auto begin =
+      std::find_if(features.begin(), features.end(), [&](const Feature& f) { return f.corners == corners; });
   const auto n = static_cast<std::size_t>(
       std::count_if(begin, features.end(), [&](const Feature& f) { return f.corners == corners; }));
   const auto width = static_cast<std::size_t>(corners);
@@ -78,7 +79,8 @@ std::string cells(const char* name, int corners, const std::vector<Feature>& fea
     const Index v = begin[static_cast<std::ptrdiff_t>(i / width)].vertices[i % width];
     return std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin();
   });
-  text += arrays.add<std::int64_t>("Int64", "offsets", n, 1, [&](std::size_t i, std::size_t) { return (i + 1) * width; });
+  text +=
+      arrays.add<std::int64_t>("Int64", "offsets", n, 1, [&](std::size_t i, std::size_t) { return (i + 1) * width; });
   return text + fmt::format("</{}>\n", name);
 }
 
@@ -102,8 +104,7 @@ std::string cell_data(const std::vector<Feature>& features, double begin, double
 /// As XML has it in an attribute.
 std::string escaped(const std::string& text) {
   std::string result;
-  for (const char c : text)
-    result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+  for (const char c : text) result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
   return result;
 }
 
@@ -131,14 +132,14 @@ void ContactFeaturesWriter::write_frame(int step, double begin_time, double end_
     return std::count_if(features.begin(), features.end(), [&](const Feature& f) { return f.corners == corners; });
   };
   detail::AppendedArrays arrays;
-  std::string text = detail::polydata_head("") +
-                     fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" "
-                                 "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
-                                 vertices.size(), count(1), count(2), count(3));
-  text += "<PointData>\n" + arrays.add<std::int64_t>("Int64", "VertexIds", vertices.size(), 1,
-                                                     [&](std::size_t i, std::size_t) {
-                                                       return mesh.vertex_id(vertices[i]);
-                                                     }) +
+  std::string text =
+      detail::polydata_head("") + fmt::format(
+                                      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" "
+                                      "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
+                                      vertices.size(), count(1), count(2), count(3));
+  text += "<PointData>\n" +
+          arrays.add<std::int64_t>("Int64", "VertexIds", vertices.size(), 1,
+                                   [&](std::size_t i, std::size_t) { return mesh.vertex_id(vertices[i]); }) +
           "</PointData>\n";
   text += cell_data(features, begin_time, end_time - begin_time, arrays);
   text += "<Points>\n" + arrays.add<double>("Float64", "Points", vertices.size(), 3, [&](std::size_t i, std::size_t c) {
@@ -156,7 +157,8 @@ void ContactFeaturesWriter::write_frame(int step, double begin_time, double end_
 }
 
 void ContactFeaturesWriter::write(const std::string& comment) {
-  std::string text = "<?xml version=\"1.0\"?>\n" + comment + "<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
+  std::string text =
+      "<?xml version=\"1.0\"?>\n" + comment + "<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
   for (const Entry& entry : entries_)
     text += fmt::format("<DataSet timestep=\"{:.17g}\" part=\"0\" file=\"{}\"/>\n", entry.time, escaped(entry.file));
   output_.write(text + "</Collection>\n</VTKFile>\n");

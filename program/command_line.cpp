@@ -163,9 +163,10 @@ CLI::Validator at_least(double min) {
 
 std::string short_help(const CLI::App& app) {
   const auto formatter = std::dynamic_pointer_cast<CLI::Formatter>(app.get_formatter());
-  return fmt::format("{}\nUsage: {} COMMAND ...\n{}\n`{} help COMMAND` has options and examples, `{} --help` the rest.\n",
-                     formatter->make_description(&app), app.get_name(),
-                     formatter->make_subcommands(&app, CLI::AppFormatMode::Normal), app.get_name(), app.get_name());
+  return fmt::format(
+      "{}\nUsage: {} COMMAND ...\n{}\n`{} help COMMAND` has options and examples, `{} --help` the rest.\n",
+      formatter->make_description(&app), app.get_name(), formatter->make_subcommands(&app, CLI::AppFormatMode::Normal),
+      app.get_name(), app.get_name());
 }
 
 void add_help_command(CLI::App& app, const Registry& registry, Action& action) {

@@ -404,9 +404,10 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
   const auto options = std::make_shared<DetectOptions>();
   options->add_to(*command);
   command
-      ->add_option("--vtk", options->vtk,
-                   "for ParaView: F.vtp has a point for each contact, with normals, times, kinds, objects; F.pvd is a series "
-                   "of the features in contact at the end of each step, in F_0000.vtp, ...")
+      ->add_option(
+          "--vtk", options->vtk,
+          "for ParaView: F.vtp has a point for each contact, with normals, times, kinds, objects; F.pvd is a series "
+          "of the features in contact at the end of each step, in F_0000.vtp, ...")
       ->type_name("FILE");
   command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
   command

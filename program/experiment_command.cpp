@@ -46,8 +46,7 @@ int print_scene_table(const TableOptions& options) {
   const std::string text =
       untitled_text(scene_table(records.get<std::vector<nlohmann::json>>()), to_screen ? report.width() : kTextWidth);
   report.write("experiment table", {{"experiment", options.name}, {"tables", nlohmann::json::array()}, {"text", text}});
-  if (!to_screen || !(options.report.json || options.report.quiet))
-    write_text_file(options.output, text);
+  if (!to_screen || !(options.report.json || options.report.quiet)) write_text_file(options.output, text);
   return kDone;
 }
 
@@ -65,7 +64,8 @@ int print_table(const TableOptions& options) {
   report.write("experiment table", tables_json(options.name, tables));
   const bool to_screen = is_standard_output(options.output);
   if (!to_screen || !(options.report.json || options.report.quiet))
-    write_text_file(options.output, render(tables, formats.at(options.format), to_screen ? report.width() : kTextWidth));
+    write_text_file(options.output,
+                    render(tables, formats.at(options.format), to_screen ? report.width() : kTextWidth));
   return kDone;
 }
 

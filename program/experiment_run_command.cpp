@@ -87,8 +87,8 @@ bool is_record_of_own_scenes(const nlohmann::json& record) {
   return record.is_object() && record.value("/provenance/options"_json_pointer, "").find("--scenes") == 0;
 }
 
-/// Hours of measurements are not replaced by minutes, nor measurements of the experiment's scenes by those of others, nor
-/// these by those. Called before anything is measured.
+/// Hours of measurements are not replaced by minutes, nor measurements of the experiment's scenes by those of others,
+/// nor these by those. Called before anything is measured.
 void keep_other_record(const ExperimentOptions& options, const std::string& name) {
   const bool full = name == kScenesExperiment ? !options.quick : options.full;
   const std::string file = record_file(options, name, ".json");

@@ -26,8 +26,7 @@ std::vector<std::string> row_of(const std::string& title, const distributed::Ran
 
 }  // namespace
 
-std::string rank_table(std::span<const distributed::RankStatistics> ranks, std::uint64_t elements,
-                       std::size_t width) {
+std::string rank_table(std::span<const distributed::RankStatistics> ranks, std::uint64_t elements, std::size_t width) {
   TextTable table(
       {"rank", "elements", "copies", "tests", "contacts", "time [ms]", "pieces [ms]", "bytes received", "neighbours"});
   distributed::RankStatistics all;

@@ -74,7 +74,8 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        .tables = inversion_tables,
        .rows = inversion_rows},
       {.name = "peers",
-       .description = "broad phases side by side, those of other libraries included: update, query, pairs a second, memory",
+       .description =
+           "broad phases side by side, those of other libraries included: update, query, pairs a second, memory",
        .plan = peers_plan,
        .tables = peers_tables,
        .summary = peers_summary,

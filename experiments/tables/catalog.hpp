@@ -54,8 +54,8 @@ const std::vector<ExperimentKind>& experiment_kinds();
 
 /// A caller's own scenes; else the five simulated scenes, followed by those runs of other programs that are available.
 std::vector<TableScene> table_scenes(const PlanContext& context);
-/// A caller's own scenes; else these, followed by large ones that are available: a mesh of 105 K tetrahedra that is turned and shortened, and two
-/// surfaces.
+/// A caller's own scenes; else these, followed by large ones that are available: a mesh of 105 K tetrahedra that is
+/// turned and shortened, and two surfaces.
 std::vector<TableScene> table_and_large_scenes(const PlanContext& context);
 
 /// Configuration of a scene in the tables: shells are solid if the file has their thickness.

@@ -69,8 +69,8 @@ std::vector<TitledTable> culling_tables(const json& record) {
   for (const PrintedTable& paper : kPrintedTables) {
     const Rows of = rows.with("scene", paper.scene);
     if (of.empty()) continue;
-    TextTable table(
-        {"culling", "VF/step", "EE/step", "total/step", "total", "ratio", "paper, VF", "paper, EE", "paper, total", "paper, ratio"});
+    TextTable table({"culling", "VF/step", "EE/step", "total/step", "total", "ratio", "paper, VF", "paper, EE",
+                     "paper, total", "paper, ratio"});
     add_lines(of, paper, table);
     tables.push_back(
         {fmt::format("{}: elementary tests on {}, {} elements, {} steps", paper.title, paper.scene,

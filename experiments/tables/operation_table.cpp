@@ -28,8 +28,8 @@ bool is_coplanarity(const json& row) { return row.at("operation").get<std::strin
 bool is_of_bounds(const json& row) { return row.at("kind") == "element" || row.at("kind") == "element-pair"; }
 
 TitledTable test_table(const json& record) {
-  TextTable table({"operation", "kind", "tests", "+ -", "*", "/", "paper, + -", "paper, *", "paper, /", "compare", "sqrt",
-                   "ns"});
+  TextTable table(
+      {"operation", "kind", "tests", "+ -", "*", "/", "paper, + -", "paper, *", "paper, /", "compare", "sqrt", "ns"});
   for (const json& row : record.at("rows")) {
     if (is_of_bounds(row) || is_coplanarity(row)) continue;
     table.add({row.at("operation"), row.at("kind"), grouped(row.at("tests").get<std::uint64_t>()),

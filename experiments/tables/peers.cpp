@@ -324,9 +324,9 @@ std::vector<TitledTable> peers_tables(const json& record) {
       const double pairs = static_cast<double>(one.pairs) / steps;
       table.add({scene.get<std::string>() + (of.front().at("volume").get<bool>() ? "" : " (surface)"), one.name,
                  grouped(static_cast<std::uint64_t>(of.median("elements"))), number_text(one.build),
-                 number_text(one.query), number_text(one.both),
-                 grouped(static_cast<std::uint64_t>(pairs)), number_text(pairs / one.both / 1e3),
-                 memory(static_cast<std::size_t>(one.bytes)), peer ? ratio_text(*peer / one.both) : "-"});
+                 number_text(one.query), number_text(one.both), grouped(static_cast<std::uint64_t>(pairs)),
+                 number_text(pairs / one.both / 1e3), memory(static_cast<std::size_t>(one.bytes)),
+                 peer ? ratio_text(*peer / one.both) : "-"});
     }
   }
   std::string note =

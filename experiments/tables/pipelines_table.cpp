@@ -61,13 +61,13 @@ TitledTable comparison(const Rows& rows, const std::string& scene) {
                same_contacts(of, entrants[0]) ? "yes" : "NO"});
   table.rule();
   table.add({"paper, bullet", "48 ms", "21x", "28x", "-", "-", "-", "0.69 %", "-", "-", "-"});
-  return {fmt::format("{}: {}, {}, {}", scene, counted(rows.steps(), "step"),
-                      counted(rows.values("round").size(), "round"),
-                      counted(rows.front().at("threads").get<std::uint64_t>(), "thread")),
-          table,
-          "time: median over steps of medians over rounds; counts: sums over steps; /: speed-up; tests: share of "
-          "NavCCD's; "
-          "earliest: step + time; same: the first pipeline's contacts, bit for bit\n"};
+  return {
+      fmt::format("{}: {}, {}, {}", scene, counted(rows.steps(), "step"), counted(rows.values("round").size(), "round"),
+                  counted(rows.front().at("threads").get<std::uint64_t>(), "thread")),
+      table,
+      "time: median over steps of medians over rounds; counts: sums over steps; /: speed-up; tests: share of "
+      "NavCCD's; "
+      "earliest: step + time; same: the first pipeline's contacts, bit for bit\n"};
 }
 
 TitledTable stage_shares(const Rows& rows, const std::string& scene) {

@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/experiments/tables/query_source.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/pipelines/registry.hpp>
 #include <volccd/query/pairs.hpp>
 

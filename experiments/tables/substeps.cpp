@@ -163,7 +163,9 @@ class SubstepComparison {
 struct Spread {
   double median, min, max;
 
-  std::string range(const char* unit = "") const { return fmt::format("{}-{}{}", number_text(min), number_text(max), unit); }
+  std::string range(const char* unit = "") const {
+    return fmt::format("{}-{}{}", number_text(min), number_text(max), unit);
+  }
 };
 
 /// The spread of a value that is computed from the rows of one round.

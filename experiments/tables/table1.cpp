@@ -103,9 +103,7 @@ double test_cost(const Rows& rows) {
                           : 0;
 }
 
-std::string milliseconds(const Rows& rows) {
-  return rows.empty() ? "-" : number_text(rows.mean_ms(kStepAndEditTime));
-}
+std::string milliseconds(const Rows& rows) { return rows.empty() ? "-" : number_text(rows.mean_ms(kStepAndEditTime)); }
 std::string ratio_or_dash(double value) { return value > 0 ? ratio_text(value) : "-"; }
 
 /// Calls visit(table, scene, comparison) for each group of rows that is one line of a table.

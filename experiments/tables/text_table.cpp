@@ -225,7 +225,7 @@ std::string render(const std::vector<TitledTable>& tables, TableFormat format, s
   for (const TitledTable& table : tables) {
     if (!text.empty()) text += "\n";
     switch (format) {
-      case TableFormat::text: 
+      case TableFormat::text:
         text += wrapped(table.title, prose) + "\n\n" + table.table.text(width) + wrapped(table.note, prose);
         break;
       case TableFormat::markdown:

@@ -56,16 +56,16 @@ std::string wrapped(const std::string& text, std::size_t width = kTextWidth);
 /// label is filled up to. With a line break at the end.
 std::string labelled(const std::string& label, const std::string& text, std::size_t indentation);
 
-/// Titles, tables and notes, one after the other; as text, tables in lines of `width`, and the rest in lines of kTextWidth at
-/// most.
+/// Titles, tables and notes, one after the other; as text, tables in lines of `width`, and the rest in lines of
+/// kTextWidth at most.
 std::string render(const std::vector<TitledTable>& tables, TableFormat format, std::size_t width = kTextWidth);
 /// Table and note as text, without the title.
 std::string untitled_text(const TitledTable& table, std::size_t width = kTextWidth);
 
 /// 1234567 -> "1,234,567".
 std::string grouped(std::uint64_t n);
-/// Three significant digits, "0.0123" or "12.3", or all digits before the decimal point, "1,140". Numbers below 1e-4 have
-/// an exponent.
+/// Three significant digits, "0.0123" or "12.3", or all digits before the decimal point, "1,140". Numbers below 1e-4
+/// have an exponent.
 std::string number_text(double value);
 /// "1 frame", "1,234 frames".
 std::string counted(std::uint64_t n, std::string_view what);

@@ -40,8 +40,9 @@ class AppendedArrays {
 /// The first lines of a file, to which the lines of one Piece follow. `comment` may be empty, or is a line of its own.
 inline std::string polydata_head(const std::string& comment) {
   return "<?xml version=\"1.0\"?>\n" + comment +
-         fmt::format("<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"{}\" header_type=\"UInt64\">\n<PolyData>\n",
-                     std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian");
+         fmt::format(
+             "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"{}\" header_type=\"UInt64\">\n<PolyData>\n",
+             std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian");
 }
 /// Between the Piece and the bytes of the arrays; and after these.
 inline constexpr const char* kPolydataArrays = "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";

@@ -17,7 +17,8 @@ PairScope scope_from(const std::string& pairs) {
   if (pairs == "all") return PairScope::all;
   if (pairs == "inter") return PairScope::inter;
   if (pairs == "intra") return PairScope::intra;
-  throw ConfigError(fmt::format("pairs: '{}' is not all, inter or intra{}", pairs, did_you_mean(pairs, "all, inter, intra")));
+  throw ConfigError(
+      fmt::format("pairs: '{}' is not all, inter or intra{}", pairs, did_you_mean(pairs, "all, inter, intra")));
 }
 
 /// "off", "auto", or a budget and a number of steps.
@@ -49,8 +50,8 @@ DetectorConfig detector_config(const py::dict& options) {
 EdgeSet edge_set_from(const std::string& edges) {
   if (edges == "triangulated") return EdgeSet::triangulated;
   if (edges == "polytope") return EdgeSet::polytope;
-  throw ConfigError(
-      fmt::format("edges: '{}' is not triangulated or polytope{}", edges, did_you_mean(edges, "triangulated, polytope")));
+  throw ConfigError(fmt::format("edges: '{}' is not triangulated or polytope{}", edges,
+                                did_you_mean(edges, "triangulated, polytope")));
 }
 
 py::dict facts_of(const Pipeline& pipeline, const Executor& executor) {

@@ -47,6 +47,7 @@ class Docs(unittest.TestCase):
 
     def test_packages_of_adding_a_stage_are_those_that_cmake_asks_for(self):
         config = (ROOT / "cmake/volccdConfig.cmake.in").read_text()
+        config = re.sub(r"macro\(_volccd_find_mpi\).*?endmacro", "", config, flags=re.DOTALL)  # another component
         known = {"Eigen3": "libeigen3-dev", "fmt": "libfmt-dev", "TBB": "libtbb-dev", "hwy": "libhwy-dev", "GMP": "libgmp-dev",
                  "HDF5": "libhdf5-dev"}
         asked = {known[name] for name in re.findall(r"find_dependency\((\w+)", config)}

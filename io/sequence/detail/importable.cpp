@@ -14,7 +14,7 @@ namespace volccd::detail {
 namespace {
 
 // What volccd-import reads (tools/importer/series.py), and decks whose results it reads.
-constexpr std::array kExtensions = {".vtu", ".pvtu", ".pvd",  ".vtk", ".msh", ".ply", ".obj", ".inp", ".bdf", ".fem",
+constexpr std::array kExtensions = {".vtu", ".pvtu", ".pvd", ".vtk", ".msh", ".ply", ".obj", ".inp", ".bdf", ".fem",
                                     ".nas", ".xdmf", ".xmf", ".e",   ".exo", ".ex2", ".frd", ".k",   ".key"};
 
 std::string lower(std::string text) {

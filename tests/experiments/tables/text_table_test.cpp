@@ -63,7 +63,8 @@ TEST(TextTable, ACellThatIsWiderByItselfStays) {
 TEST(TextTable, ANarrowerTerminalTakesMoreTables) {
   TextTable table({"name", "one", "two", "three"});
   table.add({"a", "1", "2", "3"});
-  EXPECT_EQ(table.text(15), "name  one  two\n--------------\na       1    2\n\nname  three\n-----------\na         3\n");
+  EXPECT_EQ(table.text(15),
+            "name  one  two\n--------------\na       1    2\n\nname  three\n-----------\na         3\n");
   EXPECT_EQ(table.text(100), table.text());
 }
 
