@@ -53,7 +53,8 @@ TEST(CoplanarityTable, HasTimesOfATestOverThoseOfCsatAndTestsLeft) {
   EXPECT_EQ(cell(table, 6, "ns/test, elements"), "5");
   EXPECT_EQ(cell(table, 6, "/ CSAT, features"), "4x") << "over the line that culls elements as well";
   EXPECT_EQ(cell(table, 6, "/ CSAT, elements"), "-");
-  for (const std::size_t line : {1u, 2u, 4u, 5u}) EXPECT_EQ(cell(table, line, "paper"), "-") << line;
+  for (const std::size_t line : {1u, 2u, 4u, 5u})
+    for (const char* paper : {"paper, features", "paper, elements"}) EXPECT_EQ(cell(table, line, paper), "-") << line;
   const auto& cells = table.table.rows();
   EXPECT_EQ(cells[3].at(5), "2x");
   EXPECT_EQ(cells[3].at(7), "6x");
