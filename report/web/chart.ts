@@ -54,7 +54,7 @@ function makeScale(values: number[], from: number, to: number, log: boolean, zer
     const scale = ((v: number) => from + ((Math.log10(v) - a) / (b - a)) * (to - from)) as Scale;
     const ticks: number[] = [];
     const decades = b - a;
-    const factors = decades < 1.5 ? [1, 2, 5] : [1];
+    const factors = decades < 3.5 ? [1, 2, 5] : [1];
     const every = Math.max(1, Math.ceil(decades / 8));
     for (let e = Math.floor(a); e <= Math.ceil(b); e += every)
       for (const f of factors) {

@@ -42,6 +42,7 @@ class Page {
     addEventListener("hashchange", () => this.route());
     addEventListener("keydown", (e) => {
       if (e.key === "Escape") this.closeDrawer();
+      if (e.target === document.body && this.sceneView.element.isConnected) this.sceneView.onKey(e);
     });
     this.route();
   }
@@ -145,12 +146,17 @@ class Page {
     const choose: HTMLSelectElement =
         h("select", {name: "scene", "aria-label": "scene", onchange: () => (location.hash = `scenes/${choose.value}`)},
           ...shown.map((s) => h("option", {value: s.name, selected: s === entry}, describe(s))));
-    const missing = this.report.scenes.filter((s) => s.missing);
+    const missing = this.report.scenes.filter((s) => s.missing), asked = missing.find((s) => s.name === name);
     queueMicrotask(() => this.present(this.sceneView, entry));
     return h(
         "div", {class: "scenes"},
         h("div", {class: "title"}, h("h2", {}, entry.scene),
           shown.length > 1 ? h("label", {}, "Scene ", choose) : null),
+        name && entry.name !== name ?
+            h("p", {class: "error"},
+              asked ? `${asked.file} is not on the machine that made this page.` : `There is no scene ${name} here.`,
+              ` This is ${entry.scene}.`) :
+            null,
         this.sceneView.element,
         missing.length ? h("details", {}, h("summary", {}, `Missing scenes (${missing.length})`),
                            h("ul", {}, ...missing.map((s) => h("li", {}, `${s.file}: `, h("code", {}, s.missing!))))) :
@@ -165,7 +171,7 @@ class Page {
       return;
     }
     await view.show(entry, this.viewer);
-    if (motion !== undefined) view.go(motion, 0);
+    if (motion !== undefined || this.report.records.length) view.go(motion ?? view.busiest(), 0);
     window.volccd_test = {view, viewer: this.viewer};
   }
 

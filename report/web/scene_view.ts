@@ -294,6 +294,12 @@ export class SceneView {
         plot);
   }
 
+  /// The motion with most contacts, the first of equal ones; 0 if there are none.
+  busiest(): number {
+    const contacts = this.data?.header.motions.map((m) => m.stats.contacts) ?? [];
+    return Math.max(0, contacts.indexOf(Math.max(...contacts)));
+  }
+
   go(motion: number, t: number): void {
     if (!this.data) return;
     const last = Math.max(this.data.motions - 1, 0);
@@ -454,7 +460,8 @@ export class SceneView {
     return `${what}, ${dropped ? "dropped by" : "kept by or from"} ${name} (${role}).`;
   }
 
-  private onKey(e: KeyboardEvent): void {
+  /// Keys of the view, also if nothing has the focus.
+  onKey(e: KeyboardEvent): void {
     const target = e.target as HTMLElement;
     if (!this.data || (target instanceof HTMLInputElement && target.type !== "checkbox") ||
         target instanceof HTMLSelectElement)

@@ -206,6 +206,50 @@ class Report(Page):
         self.assertIn("differs from that of the measured file", self.text(".notes"))
         self.opens("details:not(.choices)", "Missing scenes")
 
+    def test_a_report_opens_with_the_certified_table_and_the_motion_with_most_contacts(self):
+        self.go("overview")
+        self.assertRegex(BROWSER.js("document.querySelector('#figure-speedup select').selectedOptions[0].text"),
+                         r"^Table I-c")
+        self.go("scenes")
+        self.make_small()
+        BROWSER.until("window.volccd_test")
+        contacts, shown = BROWSER.js("(v => [v.data.header.motions.map(m => m.stats.contacts), v.clock.textContent])"
+                                     "(volccd_test.view)")
+        busiest = contacts.index(max(contacts))
+        self.assertGreater(busiest, 0, "the scene shows nothing")
+        self.assertIn(f"frames {busiest} →", shown)
+
+    def test_an_unknown_scene_is_named(self):
+        self.go("scenes/no-such-scene")
+        self.assertIn("There is no scene no-such-scene here.", self.text("main .error"))
+        self.go("scenes/octopi")
+        self.assertIn("This is", self.text("main .error"))
+        self.go("scenes")
+        self.assertEqual(self.count("main .error"), 0)
+
+    def test_nothing_is_wider_than_a_narrow_window(self):
+        narrow = Browser(420, 800)
+        try:
+            for place in ("overview", "tables/table1", "tables/plus", "tables/projectile", "figures", "scenes"):
+                narrow.open("about:blank")
+                narrow.open(f"file://{FOLDER}/report/index.html#{place}")
+                narrow.until("'ready' in document.body.dataset")
+                self.assertLessEqual(narrow.js("document.documentElement.scrollWidth"), 420, place)
+        finally:
+            narrow.close()
+
+    def test_dark_mode(self):
+        self.go("tables/table1")
+        colour = "getComputedStyle(document.querySelector('{}')).{}"
+        light = [BROWSER.js(colour.format(s, "backgroundColor")) for s in ("body", "table.data th")]
+        BROWSER.call("Emulation.setEmulatedMedia", media="", features=[{"name": "prefers-color-scheme", "value": "dark"}])
+        try:
+            dark = [BROWSER.js(colour.format(s, "backgroundColor")) for s in ("body", "table.data th")]
+            ink = BROWSER.js(colour.format("body", "color"))
+        finally:
+            BROWSER.call("Emulation.setEmulatedMedia", media="", features=[])
+        self.assertEqual((light, dark, ink), (["rgb(255, 255, 255)"] * 2, ["rgb(23, 27, 33)"] * 2, "rgb(228, 232, 238)"))
+
     def opens(self, selector, text):
         """A click on the summary opens or closes the details."""
         self.assertIn(text, self.text(f"{selector} summary"))
@@ -351,6 +395,11 @@ class View(Page):
             BROWSER.set(".time", str(value))
             BROWSER.until(f"Math.abs(pictures[pictures.length - 1] - {value / 20}) < 1e-9")
         self.assertEqual(BROWSER.js("wrong.slice(0, 5)"), [])
+
+    def test_keys_without_a_click(self):
+        self.assertTrue(BROWSER.js("document.activeElement === document.body"))
+        self.redraws(lambda: BROWSER.key("ArrowRight"), "ArrowRight")
+        self.redraws(lambda: BROWSER.key("w", text="w"), "w")
 
     def test_keys(self):
         BROWSER.js("document.querySelector('canvas').focus()")
