@@ -227,7 +227,7 @@ TextTable table_of(const std::vector<Group>& groups, std::vector<std::string> he
 
 TitledTable time_table(const std::vector<Group>& groups) {
   const TextTable table = table_of(
-      groups, {"fresh, ms", "range, ms", "lists, ms", "range, ms", "fresh / lists", "range"}, [](const Group& group) {
+      groups, {"fresh, ms", "fresh range, ms", "lists, ms", "lists range, ms", "fresh / lists", "range"}, [](const Group& group) {
         const Spread fresh = group.ms("fresh_s"), lists = group.ms("list_s"), speedup = group.speedup();
         return std::vector{number(fresh.median),       fresh.range(),     number(lists.median), lists.range(),
                            ratio_text(speedup.median), speedup.range("x")};

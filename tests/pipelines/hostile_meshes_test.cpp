@@ -1,25 +1,20 @@
 // `VolCCD+` loses no contact on meshes that are made to break floods and vertex stars. VOLCCD_HOSTILE_MESHES sets the
 // number of meshes of the long test, VOLCCD_HOSTILE_SEED its first seed.
-#include <cstdlib>
-
 #include <gtest/gtest.h>
 
 #include <volccd/oracle/judge/hostile_judge.hpp>
 
 #include "pipelines/scenes.hpp"
+#include "support/from_environment.hpp"
 
 namespace volccd {
 namespace {
 
+using test::from_environment;
 using test::registry;
 
 HostileJudge all_pipelines() {
   return {registry(), {forced_flood(registry()), default_flood(registry()), forced_star_orphans(registry())}};
-}
-
-std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
-  const char* given = std::getenv(name);
-  return given ? std::strtoull(given, nullptr, 10) : otherwise;
 }
 
 class HostileMember : public testing::TestWithParam<cases::HostileMember> {};

@@ -71,7 +71,7 @@ Registry registry_that_loses_contacts() {
 class SubstepsExperiment : public testing::Test {
  protected:
   SubstepsExperiment() : file_(folder_ / "builtin.vtkhdf") {
-    write_scene(*make_scene("builtin", {{"elements", "1000"}, {"steps", "9"}}), file_);
+    write_scene(*make_scene("builtin", {{"elements", "500"}, {"steps", "9"}}), file_);
   }
 
   PlanContext context(const Registry& registry, const std::string& scene) const {
