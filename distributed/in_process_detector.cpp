@@ -84,7 +84,9 @@ void InProcessDetector::set_separation(double separation) {
 
 const StepResult& InProcessDetector::step(const Topology& topology, const Motion& motion, const Request& request) {
   check_request(request, topology, motion);
-  in_process_.run([&](Exchange& exchange) { step_of_rank(exchange, topology, motion, request); });
+  // If this step fails, the next one gives the ranks its topology, whichever they have then.
+  const bool same_mesh = std::exchange(version_, 0) == topology.version();
+  in_process_.run([&](Exchange& exchange) { step_of_rank(exchange, topology, motion, request, same_mesh); });
   version_ = topology.version();
   result_ = {};
   statistics_.clear();
@@ -97,11 +99,11 @@ const StepResult& InProcessDetector::step(const Topology& topology, const Motion
 }
 
 void InProcessDetector::step_of_rank(Exchange& exchange, const Topology& topology, const Motion& motion,
-                                     const Request& request) {
+                                     const Request& request, bool same_mesh) {
   Rank& rank = *ranks_[static_cast<std::size_t>(exchange.rank())];
   const Mesh& mesh = topology.mesh();
   const PartRange vertices = part_of(mesh.vertex_count(), exchange.rank(), exchange.size());
-  if (version_ != topology.version()) {
+  if (!same_mesh) {
     const auto ids = mesh.vertex_ids().subspan(vertices.begin, vertices.size());
     rank.detector.set_mesh(elements_in(mesh, part_of(mesh.element_slots(), exchange.rank(), exchange.size())),
                            {ids.begin(), ids.end()}, topology.features().edge_set());

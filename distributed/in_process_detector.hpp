@@ -50,7 +50,8 @@ class InProcessDetector {
  private:
   struct Rank;
 
-  void step_of_rank(Exchange& exchange, const Topology& topology, const Motion& motion, const Request& request);
+  void step_of_rank(Exchange& exchange, const Topology& topology, const Motion& motion, const Request& request,
+                    bool same_mesh);
   void append(const RankResult& found, const Topology& topology);
   void finish();
 

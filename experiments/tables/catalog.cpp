@@ -87,7 +87,7 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        .summary = substeps_summary,
        .rows = substeps_rows},
       {.name = "first-steps",
-       .description = "VolCCD+: the first step of a mesh in parts (topology, tree, tables, the rest), beside later steps",
+       .description = "VolCCD+: the parts of the first step of a mesh (topology, tree, tables), beside later steps",
        .plan = first_steps_plan,
        .tables = first_steps_tables,
        .summary = first_steps_summary,

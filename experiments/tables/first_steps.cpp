@@ -20,8 +20,8 @@ using nlohmann::json;
 namespace {
 
 constexpr int kFirstStepRounds = 5;
-/// The motion of the first step is in the middle of the sequence, where there are contacts; the later ones follow it, and
-/// the last one is repeated if there are not enough.
+/// The motion of the first step is in the middle of the sequence, where there are contacts; the later ones follow it,
+/// and the last one is repeated if there are not enough.
 constexpr int kLaterSteps = 4;
 constexpr const char* kFirstStepParts[] = {"topology_s", "tree_s", "tables_s", "rest_s"};
 

@@ -1,6 +1,8 @@
 // Contacts of several ranks against those of the whole mesh.
 #include <volccd/distributed/in_process_detector.hpp>
 
+#include <stdexcept>
+
 #include <gtest/gtest.h>
 
 #include <volccd/core/error.hpp>
@@ -176,6 +178,33 @@ TEST(InProcessDetector, ShellNeighboursAreLeftOut) {
     EXPECT_FALSE(test::run_step({scene.topology, scene.motion, test::kAllObjects}, {.leave_out_shell_neighbours = true})
                      .left_out.empty());
   }
+}
+
+/// Throws if it is told to.
+class FailingExecutor final : public Executor {
+ public:
+  unsigned workers() const override { return 1; }
+  void parallel_for(std::size_t n, std::size_t grain, Body body) override {
+    if (fails) throw std::runtime_error("no thread");
+    serial_executor().parallel_for(n, grain, body);
+  }
+  bool fails = false;
+};
+
+/// The ranks have the other mesh when the step fails.
+TEST(InProcessDetector, AfterAFailureWithAnotherMesh) {
+  const Scene first = cases::colliding("block", block(ElementType::tetrahedron, 3, 2, 2), 6, 0.2);
+  const Scene other = cases::colliding("block", block(ElementType::tetrahedron, 2, 2, 2), 7, 0.2);
+  const PipelineSpec spec = specs().front();
+  FailingExecutor executor;
+  InProcessDetector detector(3, registry(), spec, {.executor = &executor});
+  StepRunner runner{Pipeline(registry(), spec)};
+  detector.step(first.topology, first.motion);
+  executor.fails = true;
+  EXPECT_THROW(detector.step(other.topology, other.motion), RankError);
+  executor.fails = false;
+  expect_same(runner.run(first.topology, first.motion), detector.step(first.topology, first.motion));
+  EXPECT_GT(runner.result().contacts.size(), 10u);
 }
 
 TEST(InProcessDetector, RefusesWhatItCannotDo) {

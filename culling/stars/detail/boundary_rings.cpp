@@ -258,9 +258,14 @@ void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector
     for (std::size_t g = begin; g < end; ++g) {
       const std::span triangles(triangles_.data() + groups_[g], groups_[g + 1] - groups_[g]);
       const Index first = static_cast<Index>(g) * kGroup;
-      const RingGroup group{first,          std::min(first + kGroup, vertices), triangles,
-                            corners_.data(), begins_.data(),                     ups_.data(),
-                            folds.data(),    normals_[w].resize(triangles.size(), step)};
+      const RingGroup group{.begin = first,
+                            .end = std::min(first + kGroup, vertices),
+                            .triangles = triangles,
+                            .corners = corners_.data(),
+                            .begins = begins_.data(),
+                            .ups = ups_.data(),
+                            .folds = folds.data(),
+                            .normals = normals_[w].resize(triangles.size(), step)};
       HWY_DYNAMIC_DISPATCH(find_group_folds)(step, group);
     }
   });

@@ -45,8 +45,8 @@ struct FaceNormals {
   double* longest_edges;
 };
 
-/// A group of vertices and the boundary triangles at them, for the kernel: the corners of vertex v are corners[begins[v]
-/// .. begins[v + 1]). `normals` is memory for those of all triangles.
+/// A group of vertices and the boundary triangles at them, for the kernel: the corners of vertex v are
+/// corners[begins[v] .. begins[v + 1]). `normals` is memory for those of all triangles.
 struct RingGroup {
   Index begin, end;
   std::span<const std::array<Index, 3>> triangles;
@@ -66,8 +66,8 @@ class BoundaryRings {
   void set_faces(const Mesh& mesh, std::span<const RingFace> faces);
 
   /// Sets folds[v] to 1 for each vertex v of the faces, unless the normals of all faces that are tested for v have
-  /// positive dot products with the direction up(v), the rounded sum of the unit normals of its triangles, throughout the step.
-  /// With a separation d > 0, also if some vertices are displaced by w/2, others by -w/2, and the rest not, for any w
+  /// positive dot products with the direction up(v), the rounded sum of the unit normals of its triangles, throughout
+  /// the step. With a separation d > 0, also if some vertices are displaced by w/2, others by -w/2, and the rest not, for any w
   /// with |w| <= d: this changes a normal by the cross product of w and a vector that is no longer than its longest
   /// edge. Sets all others to 0.
   void find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds);
