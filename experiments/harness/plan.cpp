@@ -1,7 +1,9 @@
 #include <volccd/experiments/harness/plan.hpp>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
+#include <limits>
 
 #include <volccd/io/stats_json.hpp>
 
@@ -30,6 +32,28 @@ std::vector<StepWindow> sampled_windows(int steps, int count, int length) {
     const int first = std::clamp(middle - length / 2, 1, steps - length);
     if (windows.empty() || first >= windows.back().first + windows.back().count) windows.push_back({first, length});
   }
+  return windows;
+}
+
+std::vector<StepWindow> with_an_edit(std::vector<StepWindow> windows, int steps, const std::vector<int>& edits) {
+  const auto contains = [](const StepWindow& window, int step) {
+    return step >= window.first && step < window.first + window.count;
+  };
+  int least = std::numeric_limits<int>::max();
+  std::size_t chosen = 0;
+  StepWindow moved;
+  for (const int edit : edits)
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      const StepWindow& window = windows[i];
+      if (contains(window, edit)) return windows;
+      const int low = i > 0 ? windows[i - 1].first + windows[i - 1].count : 1;
+      const int high = (i + 1 < windows.size() ? windows[i + 1].first : steps) - window.count;
+      if (low > high) continue;
+      const StepWindow there{std::clamp(edit - window.count / 2, low, high), window.count};
+      const int distance = std::abs(there.first - window.first);
+      if (contains(there, edit) && distance < least) least = distance, chosen = i, moved = there;
+    }
+  if (least < std::numeric_limits<int>::max()) windows[chosen] = moved;
   return windows;
 }
 

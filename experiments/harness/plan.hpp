@@ -59,6 +59,10 @@ const char* name_of(EdgeSet set);
 /// steps.
 std::vector<StepWindow> sampled_windows(int steps, int count, int length);
 
+/// The same windows, but if none of them contains one of the `edits` (steps at which the cells change), the window that
+/// is closest to an edit is moved to it. No window is moved if it would overlap with another one.
+std::vector<StepWindow> with_an_edit(std::vector<StepWindow> windows, int steps, const std::vector<int>& edits);
+
 /// All steps, in windows of `length` (the last may be shorter).
 std::vector<StepWindow> all_windows(int steps, int length);
 

@@ -15,12 +15,15 @@ namespace volccd {
 
 /// Runs the windows of the plan that are not in the record yet, and adds their rows, window by window.
 ///
-/// Each round of a window first runs the step before the window with all entrants, without measuring, so that their
-/// states are those of the step before, and a topology edit is measured in every round. Then all entrants run on each
-/// step of the window, in an order that shifts by one from round to round. For a window that begins with step 0,
-/// that step itself is run unmeasured first. If a window of several steps has no edits, later rounds do not go
-/// back, because the state after its last step is as suitable as that after the step before. Every entrant keeps
-/// its workspace through the windows of a run.
+/// Each round of a window runs forward from its start: first the step before the window with all entrants, without
+/// measuring, so that their states are those of the step before, and a topology edit is measured in every round; then
+/// all entrants on each step of the window, in an order that shifts by one from round to round. For a window that
+/// begins with step 0, that step itself is run unmeasured first. Every entrant keeps its workspace through the windows
+/// of a run. The time of its very first step is a column of its own (`first_seconds`).
+///
+/// If a step took more than three times its median over the rounds, and a millisecond more, the window is measured
+/// again, up to twice, and the faster row takes the place of the stalled one, which keeps the replaced time
+/// (`stalled_seconds`).
 ///
 /// A row is one (scene, step, entrant, round); its columns are in docs/reproducing.md. `progress(done, total)` counts
 /// measured runs, and may throw to stop; rows already in the record are kept. Throws the exceptions of the reader and

@@ -127,7 +127,8 @@ ExperimentPlan ablation_plan(const PlanContext& context) {
     if (context.own_scenes.empty() && scene.name != "octopi" && scene.name != "bullet" &&
         scene.name != "ls-dyna-projectile" && !(own && scene.name == "crash"))
       continue;
-    SceneRun run{scene.name, scene.file, table_config(scene.file), sampled_windows(step_count(scene.file), 1, 1), {}};
+    SceneRun run{
+        scene.name, scene.file, table_config(scene.file), sampled_windows(scene.file, context.full ? 4 : 1, 1), {}};
     SceneRun coplanarity = run;
     if (own) {
       add_own(context, run.entrants);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <volccd/experiments/tables/ablation.hpp>
+#include <volccd/experiments/tables/baselines.hpp>
 #include <volccd/experiments/tables/boundary_table.hpp>
 #include <volccd/experiments/tables/culling_counts.hpp>
 #include <volccd/experiments/tables/feature_sets.hpp>
@@ -32,6 +33,13 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        .plan = table1_plan,
        .tables = table1_tables,
        .summary = table1_summary,
+       .takes_pipelines = true,
+       .takes_scenes = true},
+      {.name = "baselines",
+       .description = "Table I-d: VolCCD+ and VolCCD beside the strongest baselines, and what each theorem gives",
+       .plan = baselines_plan,
+       .tables = baselines_tables,
+       .summary = baselines_summary,
        .takes_pipelines = true,
        .takes_scenes = true},
       {.name = "culling",
@@ -131,6 +139,19 @@ SequenceStepper::Config table_config(const std::string& file, MotionModel motion
 }
 
 int step_count(const std::string& file) { return SequenceReader(file).frame_count() - 1; }
+
+std::vector<StepWindow> sampled_windows(const std::string& file, int count, int length) {
+  const SequenceReader reader(file);
+  std::vector<int> edits;  // motion k has the cells of frame k + 1
+  for (int k = 1; k + 1 < reader.frame_count(); ++k)
+    if (!reader.same_cells(k, k + 1)) edits.push_back(k);
+  const int steps = reader.frame_count() - 1;
+  return with_an_edit(sampled_windows(steps, count, length), steps, edits);
+}
+
+std::vector<StepWindow> table_windows(const PlanContext& context, const std::string& file) {
+  return context.full ? sampled_windows(file, 4, 3) : sampled_windows(file, 1, 1);
+}
 
 Entrant entrant(const Registry& registry, const std::string& table, const std::string& pipeline,
                 const std::vector<std::string>& settings) {

@@ -61,6 +61,10 @@ std::vector<TableScene> table_and_large_scenes(const PlanContext& context);
 /// Configuration of a scene in the tables: shells are solid if the file has their thickness.
 SequenceStepper::Config table_config(const std::string& file, MotionModel motion = MotionModel::linear);
 int step_count(const std::string& file);
+/// sampled_windows() of a file, of which at least one contains an edit if one can (with_an_edit()).
+std::vector<StepWindow> sampled_windows(const std::string& file, int count, int length);
+/// The sample of the tables whose ratios are published: 12 motions of a full run, in four windows; one of a quick run.
+std::vector<StepWindow> table_windows(const PlanContext& context, const std::string& file);
 
 /// A registered pipeline with settings; `variant` lists them.
 Entrant entrant(const Registry& registry, const std::string& table, const std::string& pipeline,

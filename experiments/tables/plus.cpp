@@ -1,11 +1,10 @@
 #include <volccd/experiments/tables/plus.hpp>
 
-#include <set>
 #include <thread>
-#include <utility>
 
 #include <fmt/format.h>
 
+#include <volccd/experiments/tables/interval.hpp>
 #include <volccd/experiments/tables/rows.hpp>
 #include <volccd/io/sequence/reader.hpp>
 
@@ -43,20 +42,6 @@ Entrant plus_entrant(const PlanContext& context, const std::string& table, const
   return result;
 }
 
-/// The record without the first step of each window, whose state may come from a step farther away; a window of one
-/// step is kept.
-json steady(const json& record) {
-  const auto window_of = [](const json& row) { return std::pair<json, json>(row.at("scene"), row.at("window")); };
-  const auto is_first = [](const json& row) { return row.at("motion") == row.at("window"); };
-  std::set<std::pair<json, json>> long_windows;
-  for (const json& row : record.at("rows"))
-    if (!is_first(row)) long_windows.insert(window_of(row));
-  json result = {{"rows", json::array()}};
-  for (const json& row : record.at("rows"))
-    if (!is_first(row) || !long_windows.contains(window_of(row))) result["rows"].push_back(row);
-  return result;
-}
-
 /// One scene in one motion model on one number of threads.
 struct Group {
   json scene, motion_model, table;
@@ -67,7 +52,7 @@ struct Group {
     const Rows some = of(name);
     return some.empty() ? 0 : some.mean_ms(kStepAndEditTime);
   }
-  double ratio(const Name& a, const Name& b) const { return ms(b) > 0 ? ms(a) / ms(b) : 0; }
+  RatioInterval ratio(const Name& a, const Name& b) const { return ratio_of_times(of(a), of(b), kStepAndEditTime); }
   double contacts(const Name& name) const {
     const Rows some = of(name);
     return some.empty() ? 0 : some.sum("contacts");
@@ -105,8 +90,8 @@ TitledTable times(const std::vector<Group>& groups) {
   }
   return {"Whole steps, ms", table,
           std::string(kTitles) +
-              "mean over steps, without the first of each window, of medians over rounds, edits of the topology "
-              "included; on boundary: triangles there; boundary: contacts of boundary features only\n"};
+              "mean over steps of medians over rounds, edits of the topology included; on boundary: triangles there; "
+              "boundary: contacts of boundary features only\n"};
 }
 
 TitledTable ratios(const std::vector<Group>& groups) {
@@ -115,12 +100,13 @@ TitledTable ratios(const std::vector<Group>& groups) {
                   3);
   for (const Group& group : groups)
     table.add({group.scene, group.motion_model, std::to_string(group.threads()),
-               text_ratio(group.ratio(kVolCCDCubic, kPlus)), text_ratio(group.ratio(kVolCCDCubic, kPlusCubic)),
-               text_ratio(group.ratio(kVolCCD, kPlus)), text_ratio(group.ratio(kWithoutFlood, kPlus)),
-               text_ratio(group.ratio(kPlus, kBoundary))});
+               interval_text(group.ratio(kVolCCDCubic, kPlus)), interval_text(group.ratio(kVolCCDCubic, kPlusCubic)),
+               interval_text(group.ratio(kVolCCD, kPlus)), interval_text(group.ratio(kWithoutFlood, kPlus)),
+               interval_text(group.ratio(kPlus, kBoundary))});
   return {"Ratios of these times", table,
           std::string(kTitles) +
-              "flood gains: without over with; volume / surface: VolCCD+ over the boundary alone, same stages\n"};
+              "in brackets: 95 % intervals over steps and rounds; flood gains: without over with; volume / surface: "
+              "VolCCD+ over the boundary alone, same stages\n"};
 }
 
 TitledTable counts(const std::vector<Group>& groups) {
@@ -173,7 +159,7 @@ void add_threads_table(const std::vector<Group>& groups, std::vector<TitledTable
 }  // namespace
 
 ExperimentPlan plus_plan(const PlanContext& context) {
-  ExperimentPlan plan{"plus", context.full ? "full" : "quick", 3, {}};
+  ExperimentPlan plan{"plus", context.full ? "full" : "quick", context.full ? 5 : 3, {}};
   const bool two_cores = context.full && std::thread::hardware_concurrency() >= 2;
   for (const TableScene& scene : table_and_large_scenes(context)) {
     const bool shortened = !context.full && scene.large;
@@ -182,14 +168,12 @@ ExperimentPlan plus_plan(const PlanContext& context) {
       for (const unsigned threads : {0u, 2u}) {
         if ((model == MotionModel::tentative && !tentative) || (threads > 0 && !two_cores)) continue;
         const std::string table = threads > 0 ? fmt::format("{} threads", threads) : "";
-        SceneRun run{scene.name,
-                     scene.file,
-                     table_config(scene.file, model),
-                     sampled_windows(step_count(scene.file), context.full ? 2 : 1,
-                                     context.full ? 4
-                                     : shortened  ? 2
-                                                  : 3),
-                     {}};
+        SceneRun run{
+            scene.name,
+            scene.file,
+            table_config(scene.file, model),
+            context.full ? table_windows(context, scene.file) : sampled_windows(scene.file, 1, shortened ? 1 : 2),
+            {}};
         run.threads = threads;
         if (shortened) run.rounds = 1;
         for (const Name& name : kEntrants) run.entrants.push_back(plus_entrant(context, table, name));
@@ -202,16 +186,14 @@ ExperimentPlan plus_plan(const PlanContext& context) {
 }
 
 std::vector<TitledTable> plus_tables(const json& record) {
-  const json some = steady(record);
-  const std::vector<Group> groups = groups_of(Rows(some));
+  const std::vector<Group> groups = groups_of(Rows(record));
   std::vector<TitledTable> tables = {times(groups), ratios(groups), counts(groups)};
   add_threads_table(groups, tables);
   return tables;
 }
 
 json plus_summary(const json& record) {
-  const json some = steady(record);
-  const std::vector<Group> groups = groups_of(Rows(some));
+  const std::vector<Group> groups = groups_of(Rows(record));
   json summary = json::array();
   for (const Group& group : groups) {
     summary.push_back({{"scene", group.scene},
@@ -226,11 +208,11 @@ json plus_summary(const json& record) {
                        {"without_flood_ms", group.ms(kWithoutFlood)},
                        {"boundary_only_ms", group.ms(kBoundary)},
                        {"boundary_without_flood_ms", group.ms(kPlainBoundary)},
-                       {"speedup_volccd", group.ratio(kVolCCDCubic, kPlus)},
-                       {"speedup_volccd_cubic", group.ratio(kVolCCDCubic, kPlusCubic)},
-                       {"speedup_volccd_inclusion", group.ratio(kVolCCD, kPlus)},
-                       {"volume_over_surface", group.ratio(kPlus, kBoundary)},
-                       {"flood_gain", group.ratio(kWithoutFlood, kPlus)},
+                       {"speedup_volccd", group.ratio(kVolCCDCubic, kPlus).value},
+                       {"speedup_volccd_cubic", group.ratio(kVolCCDCubic, kPlusCubic).value},
+                       {"speedup_volccd_inclusion", group.ratio(kVolCCD, kPlus).value},
+                       {"volume_over_surface", group.ratio(kPlus, kBoundary).value},
+                       {"flood_gain", group.ratio(kWithoutFlood, kPlus).value},
                        {"contacts", group.contacts(kPlus)},
                        {"boundary_contacts", group.contacts(kBoundary)}});
     if (const double speedup = speedup_of_threads(groups, group, kPlus); speedup > 0)

@@ -36,10 +36,12 @@ Rows::Rows(const json& record) {
   if (rows_.empty()) throw InputError("record", "rows", "has none");
 }
 
-Rows Rows::with(const std::string& column, const json& value) const {
+Rows Rows::with(const std::string& column, const json& value) const { return with_any(column, {value}); }
+
+Rows Rows::with_any(const std::string& column, const std::vector<json>& values) const {
   Rows result;
   for (const json* row : rows_)
-    if (at(*row, column) == value) result.rows_.push_back(row);
+    if (std::find(values.begin(), values.end(), at(*row, column)) != values.end()) result.rows_.push_back(row);
   return result;
 }
 
@@ -51,15 +53,19 @@ std::vector<json> Rows::values(const std::string& column) const {
   return result;
 }
 
-std::vector<double> Rows::by_step(const std::vector<std::string>& columns) const {
+std::map<int, std::vector<double>> Rows::by_round(const std::vector<std::string>& columns) const {
   std::map<int, std::vector<double>> rounds;
   for (const json* row : rows_) {
     double sum = 0;
     for (const std::string& column : columns) sum += at(*row, column).get<double>();
     rounds[at(*row, "motion").get<int>()].push_back(sum);
   }
+  return rounds;
+}
+
+std::vector<double> Rows::by_step(const std::vector<std::string>& columns) const {
   std::vector<double> result;
-  for (auto& [step, values] : rounds) result.push_back(volccd::median(std::move(values)));
+  for (auto& [step, values] : by_round(columns)) result.push_back(volccd::median(std::move(values)));
   return result;
 }
 

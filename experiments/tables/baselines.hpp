@@ -1,0 +1,22 @@
+// Table I-d: the strongest baselines, and what each of the two theorems gives.
+#pragma once
+
+#include <volccd/experiments/tables/catalog.hpp>
+
+namespace volccd {
+
+/// On table_scenes(), with certified elementary tests and the same contacts:
+/// - baselines: NavCCD; NavCCD without adjacent pairs (the O-Set has the tests that only these contain), alone, with
+///   feature filters, and with the broad phases of Embree and CGAL where the program has them; VolCCD+ with neither of
+///   its theorems, which is the paper's culling with today's filters;
+/// - VolCCD; VolCCD+ with one of its theorems, the boundary flood or clear stars; VolCCD+; the context's pipelines.
+ExperimentPlan baselines_plan(const PlanContext& context);
+
+/// Tables of times, of ratios with their intervals, of the theorems, of steps with contacts and without, and of first
+/// steps.
+std::vector<TitledTable> baselines_tables(const nlohmann::json& record);
+
+/// An object for each scene; docs/reproducing.md lists its keys.
+nlohmann::json baselines_summary(const nlohmann::json& record);
+
+}  // namespace volccd
