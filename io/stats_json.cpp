@@ -6,6 +6,9 @@
 #include <fstream>
 #include <thread>
 
+#include <sched.h>
+#include <sys/utsname.h>
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -32,6 +35,18 @@ json load_average() {
   return file >> load ? json(load) : json(nullptr);
 }
 
+/// Name and release of the operating system, "Linux 6.1.0".
+std::string kernel() {
+  utsname names{};
+  return uname(&names) == 0 ? fmt::format("{} {}", names.sysname, names.release) : "unknown";
+}
+
+/// How many processors this process may run on: fewer than there are if it is pinned. Null if the system does not say.
+json allowed_cores() {
+  cpu_set_t set;
+  return sched_getaffinity(0, sizeof set, &set) == 0 ? json(CPU_COUNT(&set)) : json(nullptr);
+}
+
 json to_json(const StageChoice& choice) {
   json options = json::object();
   for (const auto& [name, value] : choice.options) options[name] = value;
@@ -49,6 +64,8 @@ json machine_facts() {
           {"flags", build.flags},
           {"cpu", cpu_name()},
           {"cores", std::thread::hardware_concurrency()},
+          {"allowed_cores", allowed_cores()},
+          {"kernel", kernel()},
           {"load", load_average()},
           {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))}};
 }

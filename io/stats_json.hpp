@@ -9,7 +9,8 @@
 
 namespace volccd {
 
-/// Build and machine, on which the times depend: version, commit, compiler, build type, CPU, cores, date (UTC).
+/// Build and machine, on which the times depend: version, commit, compiler, build type, CPU, cores, those that this
+/// process may run on, kernel, load average of the last minute, date (UTC).
 nlohmann::json machine_facts();
 
 /// The stages of a pipeline with their options, and its guarantee.

@@ -16,6 +16,7 @@
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
 #include <volccd/io/output_file.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/program/command_line.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/experiment_names.hpp>
@@ -237,9 +238,10 @@ void measure(const ExperimentKind& kind, const PlanContext& context, const Exper
 }
 
 /// Writes the record and its tables, and prints the tables.
-void write_results(const ExperimentKind& kind, const ExperimentOptions& options, const nlohmann::json& facts,
+void write_results(const ExperimentKind& kind, const ExperimentOptions& options, nlohmann::json facts,
                    RecordFile& record, Finished& finished) {
   const Report report(options.report);
+  facts["load_at_end"] = machine_facts().at("load");
   const nlohmann::json whole = {{"rows", record.rows()}, {"provenance", facts}};
   record.finish(facts, kind.summary ? kind.summary(whole) : nlohmann::json::array());
   const std::vector<TitledTable> made = kind.tables(whole);

@@ -15,6 +15,7 @@
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
 #include <volccd/io/stats_json.hpp>
+#include <volccd/oracle/cases/instruction_sets.hpp>
 #include <volccd/pipelines/step_runner.hpp>
 
 namespace volccd {
@@ -348,6 +349,7 @@ json provenance(const ExperimentPlan& plan, const Executor& executor) {
   json result = machine_facts();
   result["program_fnv1a"] = file_hash("/proc/self/exe");
   result["plan"] = to_json(plan);
+  result["isa"] = cases::InstructionSets().name(0);
   result["setting"] = plan.setting;
   if (!plan.options.empty()) result["options"] = plan.options;
   result["rounds"] = plan.rounds;

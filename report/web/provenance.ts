@@ -23,8 +23,9 @@ export function provenanceTable(record: DataRecord, scene?: string): HTMLElement
   return h(
       "table", {class: "provenance"},
       h("tbody", {}, line("record", record.file), line("rows in it", record.row_count), line("command", record.command),
-        line("commit", p.commit), line("version", p.version), line("CPU", p.cpu), line("cores", p.cores),
-        line("load", p.load), line("threads", p.threads), line("rounds", p.rounds), line("setting", p.setting),
+        line("commit", p.commit), line("version", p.version), line("CPU", p.cpu), line("vector kernels", p.isa),
+        line("cores", p.cores), line("cores allowed", p.allowed_cores), line("kernel", p.kernel),
+        line("load", p.load), line("load at the end", p.load_at_end), line("threads", p.threads), line("rounds", p.rounds), line("setting", p.setting),
         line("date (UTC)", p.date), line("compiler", p.compiler), line("flags", p.flags),
         ...inputs.map((i) => line(`input, ${i.scene}`, `${i.file}, hash ${i.fnv1a}`))));
 }

@@ -8,7 +8,11 @@ export interface Machine {
   flags?: string;
   cpu?: string;
   cores?: number;
+  allowed_cores?: number|null;
+  isa?: string;
+  kernel?: string;
   load?: number|null;
+  load_at_end?: number|null;
   date?: string;
 }
 
