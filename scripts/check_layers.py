@@ -48,10 +48,10 @@ module("oracle/cases", "culling", "narrowphase")
 module("oracle/judge", "pipelines", "oracle/cases")
 module("oracle", "pipelines")
 module("simulation", "io")
-module("experiments", "io", "paper2011", "simulation", "oracle/judge")
+module("experiments", "io", "paper2011", "simulation", "oracle/judge", "distributed")
 module("pictures", "experiments")
 module("report", "pictures")
-module("program", "report", "peers", "distributed")
+module("program", "report", "peers")
 module("program/volccd_mpi", "program", "distributed/mpi")
 
 # The rooms of a module, from the lowest to the highest; "" is the module's own folder with its detail/. A room includes

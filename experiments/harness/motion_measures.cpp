@@ -106,4 +106,12 @@ std::string file_hash(const std::string& file) {
   return hash.text();
 }
 
+Motion scaled(const Motion& motion, double scale) {
+  Motion result = motion;
+  for (Index v = 0; v < motion.vertex_count(); ++v)
+    for (int c = 1; c < motion.control_points(); ++c)
+      result.set(v, c, motion.point(v, 0) + scale * (motion.point(v, c) - motion.point(v, 0)));
+  return result;
+}
+
 }  // namespace volccd

@@ -31,4 +31,7 @@ std::string contacts_hash(std::span<const Contact> contacts);
 /// The same hash of a file's bytes. Throws InputError.
 std::string file_hash(const std::string& file);
 
+/// All control points are x0 + scale (x - x0).
+Motion scaled(const Motion& motion, double scale);
+
 }  // namespace volccd

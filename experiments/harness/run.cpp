@@ -135,7 +135,7 @@ class Runner {
     stepper_->go_to(step, executor_);
     topology_ = &stepper_->topology();
     motion_ = stepper_->motion();
-    if (run_.motion_scale != 1) scale(motion_);
+    if (run_.motion_scale != 1) motion_ = scaled(motion_, run_.motion_scale);
     if (run_.subdivisions > 0) divide();
     if (std::none_of(run_.entrants.begin(), run_.entrants.end(), [](const Entrant& e) { return e.on_boundary; }))
       return;
@@ -154,14 +154,6 @@ class Runner {
       refined_.emplace(std::move(refined.mesh), executor_);
     refined_version_ = stepper_->topology().version();
     topology_ = &*refined_;
-  }
-
-  void scale(Motion& motion) const {
-    for (Index v = 0; v < motion.vertex_count(); ++v) {
-      const Vec3 x0 = motion.point(v, 0);
-      for (int c = 1; c < motion.control_points(); ++c)
-        motion.set(v, c, x0 + run_.motion_scale * (motion.point(v, c) - x0));
-    }
   }
 
   void run(Contestant& contestant) {

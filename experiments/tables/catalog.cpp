@@ -13,6 +13,7 @@
 #include <volccd/experiments/tables/peers.hpp>
 #include <volccd/experiments/tables/pipelines_table.hpp>
 #include <volccd/experiments/tables/plus.hpp>
+#include <volccd/experiments/tables/ranks.hpp>
 #include <volccd/experiments/tables/scaling.hpp>
 #include <volccd/experiments/tables/substeps.hpp>
 #include <volccd/experiments/tables/table1.hpp>
@@ -100,6 +101,13 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        .tables = first_steps_tables,
        .summary = first_steps_summary,
        .rows = first_steps_rows},
+      {.name = "ranks",
+       .description = "VolCCD+ divided among 2 to 512 ranks in one process: slowest rank, copies, bytes; a model",
+       .plan = ranks_plan,
+       .tables = ranks_tables,
+       .summary = ranks_summary,
+       .rows = ranks_rows,
+       .takes_scenes = true},
       {.name = "feature-sets",
        .description = "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
        .plan = feature_set_plan,

@@ -131,7 +131,7 @@ class Experiments(ProgramTest):
     def test_committed_tables_are_those_of_their_records(self):
         results, compared = os.path.join(SOURCE, "results"), 0
         for name in ("table1", "baselines", "culling", "ablation", "scaling", "operations", "projectile", "plus", "boundary",
-                     "inversion", "feature-sets", "peers", "substeps", "first-steps"):
+                     "inversion", "feature-sets", "peers", "substeps", "first-steps", "ranks"):
             if os.path.exists(os.path.join(results, name + ".json")):
                 with open(os.path.join(results, name + ".txt"), encoding="utf-8") as file:
                     expected = file.read()

@@ -144,7 +144,7 @@ TEST(InclusionPromises, AreKeptOnNearDegenerateTests) {
 }
 TEST(LongInclusionPromises, AreKeptOnNearDegenerateTests) {
   for (const Separation separation : {Separation::none, Separation::some})
-    expect_promises(20'000'000, 20'000, [=](Choices& choices) { return near_degenerate_test(choices, separation); });
+    expect_promises(20'000'000, 10'000, [=](Choices& choices) { return near_degenerate_test(choices, separation); });
 }
 
 class InclusionAttack : public testing::TestWithParam<Attack> {};

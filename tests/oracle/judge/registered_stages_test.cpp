@@ -106,7 +106,7 @@ TEST_P(AssignmentPromises, AreKept) { check(300, 300, true); }
 TEST_P(OrphanSourcePromises, AreKept) { check(600, 300, true); }
 TEST_P(FloodPromises, AreKept) { check(300, 300, true); }
 TEST_P(FeatureFilterPromises, AreKept) { check(6000, 400, true); }
-TEST_P(NarrowPhasePromises, AreKept) { check(600, 100, true); }
+TEST_P(NarrowPhasePromises, AreKept) { check(300, 50, true); }
 
 class LongBroadPhasePromises : public BroadPhasePromises {};
 class LongElementCullingPromises : public ElementCullingPromises {};
@@ -119,11 +119,11 @@ int trials(int count) {
   return count * static_cast<int>(std::min<std::uint64_t>(factor, 10'000));
 }
 
-TEST_P(LongBroadPhasePromises, AreKept) { check(trials(20'000), 300, false, 10'000'000); }
-TEST_P(LongElementCullingPromises, AreKept) { check(trials(20'000), 300, false, 10'000'000); }
-TEST_P(LongFeatureFilterPromises, AreKept) { check(trials(20'000), 400, false, 10'000'000); }
+TEST_P(LongBroadPhasePromises, AreKept) { check(trials(10'000), 300, false, 10'000'000); }
+TEST_P(LongElementCullingPromises, AreKept) { check(trials(10'000), 300, false, 10'000'000); }
+TEST_P(LongFeatureFilterPromises, AreKept) { check(trials(10'000), 400, false, 10'000'000); }
 /// Fewer trials, because exact arithmetic judges every test.
-TEST_P(LongNarrowPhasePromises, AreKept) { check(trials(1000), 100, false, 10'000'000); }
+TEST_P(LongNarrowPhasePromises, AreKept) { check(trials(500), 50, false, 10'000'000); }
 
 INSTANTIATE_TEST_SUITE_P(All, BroadPhasePromises, all_of<BroadPhase>(), name_of);
 INSTANTIATE_TEST_SUITE_P(All, ElementCullingPromises, all_of<ElementCulling>(), name_of);
