@@ -128,7 +128,7 @@ struct Detector::State {
   bool import_made = false;
   const Motion* motion = nullptr;  ///< of the piece, in this step
 
-  std::vector<std::uint8_t> complete;  ///< Step::complete of the piece
+  std::vector<std::uint8_t> complete;  ///< Step::complete of the piece; empty until a step needs it
   StepResult found;                    ///< with slots of the piece
   RankResult result;
   Motion straight;
@@ -285,6 +285,7 @@ void Detector::State::make_lists(const Request& request) {
              {&changed, 1});
   if (changed == 0 && import_made) return;
   import_made = false;
+  complete.clear();
   const std::span<const std::int64_t> wanted = piece.empty() ? std::span<const std::int64_t>() : piece.vertex_ids();
   import = detail::VertexImport(exchange, wanted, piece.owners(), home->own());
   import_made = true;
@@ -293,13 +294,14 @@ void Detector::State::make_lists(const Request& request) {
 void Detector::State::run(const Request& request) {
   found = {};
   if (piece.empty()) return;
-  find_complete();
+  if (complete.empty()) find_complete();
   Step step{piece.topology(), *motion, config.filter, config.separation};
   step.complete = complete;
   pipeline->run(step, workspace, executor, found, request);
 }
 
-/// The piece has all elements at a vertex whose box meets the region, because their boxes contain it.
+/// The piece has all elements at a vertex whose box meets the region, because their boxes contain it; and it has them
+/// as long as it lasts, wherever the vertex is.
 void Detector::State::find_complete() {
   complete.assign(motion->vertex_count(), 0);
   for (Index v = 0; v < motion->vertex_count(); ++v) {

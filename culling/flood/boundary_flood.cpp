@@ -41,8 +41,8 @@ struct BoundaryFloodState final : StageState {
   detail::SuspectPairs suspects;
   detail::SuspectOrphans orphans;
   detail::OuterParts outer;
-  TopologyDelta counted;  ///< the topology for which the shares were computed
-  bool counted_part = false;  ///< whether the shares are those of complete vertices alone
+  TopologyDelta counted;                       ///< the topology for which the shares were computed
+  std::vector<std::uint8_t> counted_complete;  ///< Step::complete of then
   double boundary_share = 0, divided_share = 0;
   ObjectFilter filter;
   std::optional<Step> step, parts_step;  ///< of the complex, and of the outer parts
@@ -58,8 +58,8 @@ struct BoundaryFloodState final : StageState {
 
   std::size_t bytes() const override {
     return (parts_state ? parts_state->bytes() : 0) + (simplices_state ? simplices_state->bytes() : 0) +
-           heap_bytes(complex, stars, suspects, orphans, outer, counted, start_scratch, seen, seen_at_start, front,
-                      reached, workers);
+           heap_bytes(complex, stars, suspects, orphans, outer, counted, counted_complete, start_scratch, seen,
+                      seen_at_start, front, reached, workers);
   }
 };
 
@@ -229,10 +229,10 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.phase = Phase::parts;
   state.counters = {};
   const bool same_mesh = state.counted.sync(step.topology) == TopologyDelta::Extent::none;
-  const bool partial = !step.complete.empty();
-  if (std::exchange(state.counted_part, partial) || partial || !same_mesh) {
+  if (!same_mesh || !std::ranges::equal(state.counted_complete, step.complete)) {
     state.boundary_share = boundary_share(step);
     state.divided_share = divided_share(step);
+    state.counted_complete.assign(step.complete.begin(), step.complete.end());
   }
   state.counted.confirm();
   if (state.boundary_share > config_.max_boundary_fraction || state.divided_share > config_.max_divided_fraction)
