@@ -13,6 +13,7 @@ void bind_cells(py::module_& module);
 void bind_results(py::module_& module);
 void bind_registry(py::module_& module);
 void bind_detector(py::module_& module);
+void bind_distributed(py::module_& module);
 void bind_sequence(py::module_& module);
 void bind_scenes(py::module_& module);
 void bind_verify(py::module_& module);

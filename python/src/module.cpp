@@ -13,6 +13,7 @@ PYBIND11_MODULE(_core, module) {
   bind_results(module);
   bind_registry(module);
   bind_detector(module);
+  bind_distributed(module);
   bind_sequence(module);
   bind_scenes(module);
   bind_verify(module);

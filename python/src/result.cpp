@@ -58,6 +58,22 @@ py::dtype contacts_dtype() {
   return kept_dtype([]() -> py::object { return contact_dtype(); }, kept);
 }
 
+py::object rank_contact_dtype() {
+  const distributed::RankContact c{};
+  return Fields()
+      .add("kind", "u1", c, c.kind)
+      .add("vertices", vector_of("<i8", 4), c, c.vertices)
+      .add("elements", vector_of("<i8", 2), c, c.elements)
+      .add("objects", vector_of("<i4", 2), c, c.objects)
+      .add("toi", "<f8", c, c.toi)
+      .add("normal", vector_of("<f8", 3), c, c.normal)
+      .add("point", vector_of("<f8", 3), c, c.point)
+      .add("weights", vector_of("<f8", 4), c, c.weights)
+      .add("at_start", "?", c, c.at_start)
+      .add("gap", "<f8", c, c.gap)
+      .dtype(sizeof(distributed::RankContact));
+}
+
 py::dtype ends_dtype() {
   static py::object* kept = nullptr;
   return kept_dtype(
@@ -103,6 +119,16 @@ py::array contacts_view(const std::vector<Contact>& contacts, const py::handle& 
 
 py::array contacts_copy(const std::vector<Contact>& contacts) {
   return new_array(contacts_dtype(), {contacts.size()}, contacts.data(), contacts.size() * sizeof(Contact));
+}
+
+py::dtype rank_contacts_dtype() {
+  static py::object* kept = nullptr;
+  return kept_dtype(&rank_contact_dtype, kept);
+}
+
+py::array rank_contacts_copy(const std::vector<distributed::RankContact>& contacts) {
+  return new_array(rank_contacts_dtype(), {contacts.size()}, contacts.data(),
+                   contacts.size() * sizeof(distributed::RankContact));
 }
 
 py::array pairs_copy(const std::vector<ElementPair>& pairs) {

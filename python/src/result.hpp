@@ -1,6 +1,7 @@
 // The results of a run as Python objects.
 #pragma once
 
+#include <volccd/distributed/result.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 #include "bind.hpp"
@@ -18,6 +19,9 @@ struct Result : StepResult {
 py::array contacts_view(const std::vector<Contact>& contacts, const py::handle& owner);
 /// The same as a copy.
 py::array contacts_copy(const std::vector<Contact>& contacts);
+/// Contacts of a rank, whose vertices and elements are ids.
+py::array rank_contacts_copy(const std::vector<distributed::RankContact>& contacts);
+py::dtype rank_contacts_dtype();
 py::array pairs_copy(const std::vector<ElementPair>& pairs);
 
 /// Counts, seconds, and a structured array under "stages".

@@ -105,17 +105,18 @@ def check_signature(node, function, name):
     assert parameters(node) == list(inspect.signature(function).parameters), name
 
 
-def test_stubs():
-    tree = ast.parse(Path(volccd.__file__).with_suffix(".pyi").read_text())
+@pytest.mark.parametrize("module", [volccd, volccd.distributed], ids=lambda module: module.__name__)
+def test_stubs(module):
+    tree = ast.parse(Path(module.__file__).with_suffix(".pyi").read_text())
     names = set()
     for node in tree.body:
         if isinstance(node, ast.FunctionDef):
             names.add(node.name)
-            check_signature(node, getattr(volccd, node.name), node.name)
+            check_signature(node, getattr(module, node.name), node.name)
         elif isinstance(node, ast.ClassDef):
             names.add(node.name)
             stubbed = {item.name for item in node.body if isinstance(item, ast.FunctionDef)}
-            type_ = getattr(volccd, node.name)
+            type_ = getattr(module, node.name)
             for item in node.body:
                 if isinstance(item, ast.FunctionDef):
                     value = inspect.getattr_static(type_, item.name)
@@ -125,4 +126,6 @@ def test_stubs():
             assert public <= stubbed, f"{node.name}: {public - stubbed}"
         elif isinstance(node, ast.AnnAssign):
             names.add(node.target.id)
-    assert set(volccd.__all__) <= names, set(volccd.__all__) - names
+        elif isinstance(node, ast.ImportFrom):
+            names |= {alias.asname for alias in node.names if alias.asname}
+    assert set(module.__all__) <= names, set(module.__all__) - names

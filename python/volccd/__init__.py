@@ -57,6 +57,7 @@ except ImportError as problem:
         f"{problem}. volccd needs its compiled module and NumPy for {_sys.executable}. To build it: cmake --build --preset "
         "release --target volccd_python; `cmake --preset release` says for which Python (VOLCCD_PYTHON names another)"
     ) from problem
+from . import distributed
 from ._detect import Detector, detect
 from ._meshes import CELL_TYPES, vtk_cells
 from ._records import read_record, records
@@ -72,5 +73,5 @@ __all__ = [
     "Sequence", "scene", "scenes", "verify", "Verification",
     "Stage", "Step", "ElementCulling", "FeatureFilter", "NarrowPhase", "KEEP", "DISJOINT", "CONTACT_FREE",
     "register", "unregister", "add_pipeline", "stages", "pipelines", "main",
-    "records", "read_record", "Error", "InputError", "ConfigError",
+    "distributed", "records", "read_record", "Error", "InputError", "ConfigError",
 ]

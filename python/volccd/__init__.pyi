@@ -7,6 +7,8 @@ from typing import Sequence as _Sequence, SupportsIndex, Tuple, Type, TypeVar, U
 import numpy as np
 import numpy.typing as npt
 
+from . import distributed as distributed
+
 __version__: str
 
 VF: int
