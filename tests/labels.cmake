@@ -9,9 +9,10 @@ set(long "^Long")
 set(threads "Threads")
 set(kernels "^((BroadPhase|ElementCulling|FeatureFilter|NarrowPhase)Promises|ContactHashes)$")
 string(CONCAT slow_sanitized
-  "^(Harness|SameContacts|QueryMotion|ScenesWithTools|Weld|SimulatedSolids|Tetrahedra|DeformOnSharedData)$"
+  "^(Harness|SameContacts|QueryMotion|Baselines|RanksExperiment|SubstepsExperiment|ScenesWithTools|Weld|SimulatedSolids)$"
+  "|^(Tetrahedra|DeformOnSharedData)$|^OutOfMemory\\.AnEditThatBringsLargerElements"
   "|^(Verify|ReferenceContacts|QueryComparison|PeersExperiment)$|^ThreadsStageObserver$|^TopologyLoop\\.CutBlock"
-  "|^BoundaryFlood\\.FindsAllContactsWithAnyElementCulling$")
+  "|^BoundaryFlood\\.FindsAllContacts(WithAnyElementCulling|OfMeshesMadeToBreakIt)$")
 
 foreach(program IN LISTS programs)
   foreach(test IN LISTS ${program}_TESTS)
@@ -23,7 +24,7 @@ foreach(program IN LISTS programs)
     set(name "${CMAKE_MATCH_2}.${CMAKE_MATCH_4}")
     set(labels)
     foreach(label IN ITEMS long threads kernels slow_sanitized)
-      if(suite MATCHES "${${label}}" OR (label STREQUAL slow_sanitized AND name MATCHES "${${label}}"))
+      if(suite MATCHES "${${label}}" OR ("${label}" STREQUAL "slow_sanitized" AND name MATCHES "${${label}}"))
         string(REPLACE "_" "-" label "${label}")
         list(APPEND labels "${label}")
       endif()
