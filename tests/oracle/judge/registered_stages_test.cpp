@@ -100,12 +100,12 @@ using FloodPromises = StagePromises<Flood>;
 using FeatureFilterPromises = StagePromises<FeatureFilter>;
 using NarrowPhasePromises = StagePromises<NarrowPhase>;
 
-TEST_P(BroadPhasePromises, AreKept) { check(3000, 300, true); }
-TEST_P(ElementCullingPromises, AreKept) { check(6000, 300, true); }
+TEST_P(BroadPhasePromises, AreKept) { check(2000, 300, true); }
+TEST_P(ElementCullingPromises, AreKept) { check(4000, 300, true); }
 TEST_P(AssignmentPromises, AreKept) { check(300, 300, true); }
 TEST_P(OrphanSourcePromises, AreKept) { check(600, 300, true); }
 TEST_P(FloodPromises, AreKept) { check(300, 300, true); }
-TEST_P(FeatureFilterPromises, AreKept) { check(6000, 400, true); }
+TEST_P(FeatureFilterPromises, AreKept) { check(4000, 400, true); }
 TEST_P(NarrowPhasePromises, AreKept) { check(300, 50, true); }
 
 class LongBroadPhasePromises : public BroadPhasePromises {};
