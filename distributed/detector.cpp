@@ -115,7 +115,8 @@ struct Detector::State {
 
   std::optional<detail::Home> home;  ///< empty before set_mesh()
   Regions regions;
-  bool divided = false;  ///< whether `regions` are those of the ranks
+  bool divided = false;    ///< whether `regions` are those of the ranks
+  bool cuts_made = false;  ///< in this step
   detail::Imbalance imbalance;
 
   std::vector<Box> boxes;   ///< of the elements of this rank in this step
@@ -222,7 +223,8 @@ const RankResult& Detector::step(const Motion& own, const Request& request) {
   run_on_all(s.exchange, "step", [&] { s.run(request); });
   s.take_result(request);
   if (request.query == Query::first) s.keep_first();
-  s.imbalance.add_step(s.exchange, rank.seconds, rank.elements);
+  s.imbalance.add_step(s.exchange, rank.seconds, rank.seconds + rank.piece_seconds, rank.elements,
+                       std::exchange(s.cuts_made, false));
   s.lists_made = !s.imbalance.wants_cuts();
   return s.result;
 }
@@ -262,8 +264,7 @@ void Detector::State::make_lists(const Request& request) {
     const std::vector<double> density = divided ? imbalance.density(exchange) : std::vector<double>();
     regions = detail::divide(exchange, boxes, regions, density);
     region = regions.region(exchange.rank());
-    divided = true;
-    imbalance.cuts_made();
+    divided = cuts_made = true;
   }
   {
     StageClock clock;

@@ -27,8 +27,9 @@ struct Config {
   /// kept while no box meets another region than its greater one did; finite, >= 0. Greater: fewer new lists, more
   /// elements on each rank.
   double skin = 0.2;
-  /// Regions are divided anew after steps in which the slowest rank took more than this many times the mean of all,
-  /// first after three such steps, then after twice as many each time. Infinity: regions stay.
+  /// Regions are divided anew when the time that the slowest rank took beyond this many times the mean of all, summed
+  /// over steps, exceeds that of the first step with the present regions, and for the n-th new cuts 2^(n-1) times that.
+  /// Infinity: regions stay.
   double max_imbalance = 1.2;
 };
 

@@ -8,25 +8,35 @@
 namespace volccd::distributed::detail {
 
 namespace {
-constexpr int kMaxPatience = 1 << 20;
-}
 
-void Imbalance::add_step(Exchange& exchange, double seconds, std::uint64_t elements) {
-  if (std::isinf(max_ratio_) || exchange.size() == 1) return;
+/// The greatest and the mean of the times of all ranks.
+struct Times {
+  double slowest, mean;
+};
+
+Times times_of(Exchange& exchange, double seconds) {
   const auto nanoseconds = static_cast<std::uint64_t>(1e9 * std::max(0.0, seconds));
   std::uint64_t slowest = nanoseconds, sum = nanoseconds;
   exchange.allreduce({&slowest, 1}, Reduction::max);
   exchange.allreduce({&sum, 1}, Reduction::sum);
-  seconds_ += seconds;
-  elements_ += static_cast<double>(elements);
-  const double mean = static_cast<double>(sum) / exchange.size();
-  slow_steps_ = static_cast<double>(slowest) > max_ratio_ * mean ? slow_steps_ + 1 : 0;
+  return {1e-9 * static_cast<double>(slowest), 1e-9 * static_cast<double>(sum) / exchange.size()};
 }
 
-void Imbalance::cuts_made() {
-  if (wants_cuts()) patience_ = std::min(2 * patience_, kMaxPatience);
-  slow_steps_ = 0;
-  seconds_ = elements_ = 0;
+}  // namespace
+
+void Imbalance::add_step(Exchange& exchange, double seconds, double all_seconds, std::uint64_t elements,
+                         bool after_cuts) {
+  if (std::isinf(max_ratio_) || exchange.size() == 1) return;
+  if (after_cuts) {
+    price_ = factor_ * times_of(exchange, all_seconds).slowest;
+    factor_ *= 2;
+    lost_ = seconds_ = elements_ = 0;
+    return;
+  }
+  const Times times = times_of(exchange, seconds);
+  lost_ += std::max(0.0, times.slowest - max_ratio_ * times.mean);
+  seconds_ += seconds;
+  elements_ += static_cast<double>(elements);
 }
 
 std::vector<double> Imbalance::density(Exchange& exchange) const {

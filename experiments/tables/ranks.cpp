@@ -23,8 +23,8 @@ using nlohmann::json;
 namespace {
 
 constexpr int kRankRounds = 3;
-/// Steps that are not measured. In the fourth, ranks whose times differ too much get other regions, for the next six.
-constexpr int kRankWarmUps = 4;
+/// Steps that are not measured: with the first, ranks make their pieces.
+constexpr int kRankWarmUps = 2;
 
 /// A motion of the mesh: a part of that between two frames, and how far ahead lists of elements are made
 /// (Config::skin).

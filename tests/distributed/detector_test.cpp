@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
+#include <volccd/distributed/detail/imbalance.hpp>
 #include <volccd/distributed/in_process_exchange.hpp>
 #include <volccd/oracle/cases/colliding_scenes.hpp>
 #include <volccd/pipelines/step_runner.hpp>
@@ -163,7 +164,7 @@ TEST(RankDetector, OneRankKeepsTheFirstContact) {
 /// with cuts by measured times in between, too.
 TEST(RankDetector, ListsAndRegionsChangeWhenTheyMust) {
   const Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 4, 3, 2), 6, 0.1);
-  for (const double max_imbalance : {0.0, std::numeric_limits<double>::infinity()}) {
+  for (const double max_imbalance : {-1e9, std::numeric_limits<double>::infinity()}) {
     StepRunner runner(Pipeline(registry(), exact_spec()));
     auto parts = divided(scene.topology.mesh(), scene.motion, 6, 6, 3);
     std::vector<std::uint64_t> lists, cuts;
@@ -192,10 +193,31 @@ TEST(RankDetector, ListsAndRegionsChangeWhenTheyMust) {
       EXPECT_EQ(lists, (std::vector<std::uint64_t>{1, 0, 0, 0, 1, 0, 1, 0, 1, 0, 0}));
       EXPECT_EQ(std::ranges::count(cuts, 1u), 1);
     } else {
-      EXPECT_EQ(lists[3], 1u) << "three steps are slower than no imbalance at all";
-      EXPECT_EQ(lists[9], 1u) << "six more";
+      for (const std::size_t k : {2, 4, 6, 8, 10}) EXPECT_EQ(lists[k], 1u) << "one step has lost more than any price";
     }
   }
+}
+
+/// Two ranks with given times: new cuts when the slower one has lost what the first step took, then twice that.
+TEST(Imbalance, WantsCutsWhenTheirPriceIsLost) {
+  InProcessRanks(2).run([](Exchange& exchange) {
+    detail::Imbalance imbalance(1.25);
+    const auto steps = [&](double slow, double fast, bool after_cuts = false) {
+      const double seconds = exchange.rank() == 1 ? slow : fast;
+      imbalance.add_step(exchange, seconds, 2 * seconds, 100, after_cuts);
+      return imbalance.wants_cuts();
+    };
+    EXPECT_FALSE(steps(1.05, 0.5, true)) << "its price is 2.1";
+    for (int k = 0; k < 3; ++k) EXPECT_FALSE(steps(1.5, 0.5)) << "each loses a quarter beyond 1.25 times the mean";
+    for (int k = 0; k < 10; ++k) EXPECT_FALSE(steps(1.0, 0.8)) << "nothing lost";
+    for (int k = 3; k < 8; ++k) EXPECT_FALSE(steps(1.5, 0.5)) << k;
+    EXPECT_TRUE(steps(1.5, 0.5)) << "2.25 lost";
+    const std::vector<double> density = imbalance.density(exchange);
+    EXPECT_NEAR(density[1], (9 * 1.5 + 10 * 1.0) / 1900, 1e-9) << "the first step is no measure";
+    EXPECT_FALSE(steps(1.05, 0.5, true)) << "its price is 4.2";
+    for (int k = 0; k < 16; ++k) EXPECT_FALSE(steps(1.5, 0.5)) << k;
+    EXPECT_TRUE(steps(1.5, 0.5));
+  });
 }
 
 /// A block slides along another one in small steps, upwards on one axis: boxes leave theirs with skin on that side
