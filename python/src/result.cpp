@@ -33,19 +33,23 @@ class Fields {
 
 py::object vector_of(const char* format, int n) { return py::make_tuple(format, py::make_tuple(n)); }
 
-py::dtype contact_dtype() {
-  const Contact c{};
-  static_assert(sizeof(c.kind) == 1 && sizeof(c.at_start) == 1);
-  return Fields()
-      .add("kind", "u1", c, c.kind)
-      .add("vertices", vector_of("<u4", 4), c, c.vertices)
-      .add("toi", "<f8", c, c.toi)
+/// Adds the fields that contacts have whatever names their vertices.
+template <class AnyContact>
+Fields& add_geometry(Fields& fields, const AnyContact& c) {
+  return fields.add("toi", "<f8", c, c.toi)
       .add("normal", vector_of("<f8", 3), c, c.normal)
       .add("point", vector_of("<f8", 3), c, c.point)
       .add("weights", vector_of("<f8", 4), c, c.weights)
       .add("at_start", "?", c, c.at_start)
-      .add("gap", "<f8", c, c.gap)
-      .dtype(sizeof(Contact));
+      .add("gap", "<f8", c, c.gap);
+}
+
+py::dtype contact_dtype() {
+  const Contact c{};
+  static_assert(sizeof(c.kind) == 1 && sizeof(c.at_start) == 1);
+  Fields fields;
+  fields.add("kind", "u1", c, c.kind).add("vertices", vector_of("<u4", 4), c, c.vertices);
+  return add_geometry(fields, c).dtype(sizeof(Contact));
 }
 
 const py::object& kept_dtype(py::object (*make)(), py::object*& kept) {
@@ -60,18 +64,12 @@ py::dtype contacts_dtype() {
 
 py::object rank_contact_dtype() {
   const distributed::RankContact c{};
-  return Fields()
-      .add("kind", "u1", c, c.kind)
+  Fields fields;
+  fields.add("kind", "u1", c, c.kind)
       .add("vertices", vector_of("<i8", 4), c, c.vertices)
       .add("elements", vector_of("<i8", 2), c, c.elements)
-      .add("objects", vector_of("<i4", 2), c, c.objects)
-      .add("toi", "<f8", c, c.toi)
-      .add("normal", vector_of("<f8", 3), c, c.normal)
-      .add("point", vector_of("<f8", 3), c, c.point)
-      .add("weights", vector_of("<f8", 4), c, c.weights)
-      .add("at_start", "?", c, c.at_start)
-      .add("gap", "<f8", c, c.gap)
-      .dtype(sizeof(distributed::RankContact));
+      .add("objects", vector_of("<i4", 2), c, c.objects);
+  return add_geometry(fields, c).dtype(sizeof(distributed::RankContact));
 }
 
 py::dtype ends_dtype() {
