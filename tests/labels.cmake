@@ -10,8 +10,10 @@ set(threads "Threads")
 set(kernels "^((BroadPhase|ElementCulling|FeatureFilter|NarrowPhase)Promises|ContactHashes)$")
 string(CONCAT slow_sanitized
   "^(Harness|SameContacts|QueryMotion|Baselines|RanksExperiment|SubstepsExperiment|ScenesWithTools|Weld|SimulatedSolids)$"
-  "|^(Tetrahedra|DeformOnSharedData)$|^OutOfMemory\\.AnEditThatBringsLargerElements"
-  "|^(Verify|ReferenceContacts|QueryComparison|PeersExperiment)$|^ThreadsStageObserver$|^TopologyLoop\\.CutBlock"
+  "|^(Tetrahedra|DeformOnSharedData|Verify|ReferenceContacts|QueryComparison|PeersExperiment|ThreadsStageObserver)$")
+# Single tests, by suite and name.
+string(CONCAT slow_sanitized_tests
+  "^TopologyLoop\\.CutBlock|^OutOfMemory\\.AnEditThatBringsLargerElements"
   "|^BoundaryFlood\\.FindsAllContacts(WithAnyElementCulling|OfMeshesMadeToBreakIt)$")
 
 foreach(program IN LISTS programs)
@@ -24,7 +26,7 @@ foreach(program IN LISTS programs)
     set(name "${CMAKE_MATCH_2}.${CMAKE_MATCH_4}")
     set(labels)
     foreach(label IN ITEMS long threads kernels slow_sanitized)
-      if(suite MATCHES "${${label}}" OR ("${label}" STREQUAL "slow_sanitized" AND name MATCHES "${${label}}"))
+      if(suite MATCHES "${${label}}" OR (DEFINED ${label}_tests AND name MATCHES "${${label}_tests}"))
         string(REPLACE "_" "-" label "${label}")
         list(APPEND labels "${label}")
       endif()
