@@ -14,29 +14,39 @@ using nlohmann::json;
 
 namespace {
 
-/// Adds VolCCD+ with some of its stages on another broad phase. If there is no assignment, there is no O-Set either.
-/// The flood needs both, and CSAT: without CSAT, it continues through all pairs of the broad phase.
+/// The tests that no pair of elements owns, or all pairs with all their tests.
+struct Orphans {
+  const char* name;
+  std::vector<std::string> settings;
+};
+
+/// Adds VolCCD+ with some of its stages on one broad phase. The flood needs assignment, and CSAT: without CSAT, it
+/// continues through all pairs of the broad phase.
+void add_subsets_of(const Registry& registry, const char* broad_phase, const Orphans& orphans,
+                    std::vector<Entrant>& entrants) {
+  for (const bool flood : {false, true})
+    for (const bool filters : {false, true})
+      for (const bool csat : {false, true}) {
+        if (flood && (!csat || *orphans.name == '\0')) continue;
+        std::vector<std::string> settings = {std::string("broad-phase=") + broad_phase}, names;
+        settings.insert(settings.end(), orphans.settings.begin(), orphans.settings.end());
+        csat ? names.emplace_back("CSAT") : settings.emplace_back("element-culling=none");
+        if (*orphans.name != '\0') names.emplace_back(orphans.name);
+        filters ? names.emplace_back("filters") : settings.emplace_back("feature-filter=none");
+        flood ? names.emplace_back("flood") : settings.emplace_back("flood=none");
+        Entrant one = entrant(registry, "stages", "VolCCD+", settings);
+        one.pipeline = broad_phase;
+        one.variant = names.empty() ? "none" : fmt::format("{}", fmt::join(names, " + "));
+        entrants.push_back(std::move(one));
+      }
+}
+
 void add_subsets(const Registry& registry, std::vector<Entrant>& entrants) {
+  const Orphans kinds[] = {{"", {"orphans=none", "assignment=all-pairs"}},
+                           {"assignment + O-Set", {"orphans=o-set"}},
+                           {"assignment + star orphans", {"orphans=star-orphans"}}};
   for (const char* broad_phase : {"kdop-bvh", "spatial-hash", "brute-force"})
-    for (int subset = 0; subset < 16; ++subset) {
-      if ((subset & 8) != 0 && (subset & 3) != 3) continue;
-      std::vector<std::string> settings = {std::string("broad-phase=") + broad_phase};
-      std::string variant;
-      const auto without = [&](bool present, const char* name, std::initializer_list<const char*> changes) {
-        if (present)
-          variant += (variant.empty() ? "" : " + ") + std::string(name);
-        else
-          settings.insert(settings.end(), changes.begin(), changes.end());
-      };
-      without(subset & 1, "CSAT", {"element-culling=none"});
-      without(subset & 2, "assignment + O-Set", {"orphans=none", "assignment=all-pairs"});
-      without(subset & 4, "filters", {"feature-filter=none"});
-      without(subset & 8, "flood", {"flood=none"});
-      Entrant one = entrant(registry, "stages", "VolCCD+", settings);
-      one.pipeline = broad_phase;
-      one.variant = variant.empty() ? "none" : variant;
-      entrants.push_back(std::move(one));
-    }
+    for (const Orphans& orphans : kinds) add_subsets_of(registry, broad_phase, orphans, entrants);
 }
 
 struct Sweep {
