@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "pipelines/flood_contest.hpp"
+#include "support/trials.hpp"
 
 namespace volccd {
 namespace {
@@ -17,6 +18,7 @@ using test::Contest;
 using test::kNoFilter;
 using test::registry;
 using test::spec_of;
+using test::trials;
 
 struct FloodScene {
   Topology topology;
@@ -421,7 +423,7 @@ TEST(ThreadsBoundaryFlood, SameContactsAndCountsForAnyNumberOfWorkers) {
   const Pipeline pipeline(registry(), spec_of("boundary-flood"));
   const auto three = make_thread_executor(3);
   SerialExecutor serial;
-  for (std::uint64_t seed = 700; seed < 712; ++seed) {
+  for (std::uint64_t seed = 700; seed < 700 + static_cast<std::uint64_t>(trials(12)); ++seed) {
     const FloodScene scene = FloodScenes(seed).make();
     const Step step{scene.topology, scene.linear, kNoFilter};
     StepResult by_one, by_three;
@@ -455,8 +457,8 @@ TEST(BoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) {
 }
 
 TEST(LongBoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) {
-  compare_scenes(17, 43);
-  compare_scenes(1000, 150);
+  compare_scenes(17, trials(43));
+  compare_scenes(1000, trials(150));
 }
 
 }  // namespace

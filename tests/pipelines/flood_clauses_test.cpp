@@ -10,12 +10,14 @@
 #include <volccd/core/random.hpp>
 
 #include "pipelines/flood_contest.hpp"
+#include "support/trials.hpp"
 
 namespace volccd {
 namespace {
 
 using test::Contest;
 using test::kNoFilter;
+using test::trials;
 
 /// A block of 5 x 4 x 4 cells, and a smaller one inside it or across its boundary. Each step moves it by little, pulls
 /// single vertices far, begins elsewhere, or follows an edit.
@@ -85,7 +87,7 @@ class BodyInABody {
 
 TEST(FloodClauses, BodiesInsideEachOtherOverManySteps) {
   std::size_t contacts = 0;
-  for (std::uint64_t seed = 1; seed <= 40 && !testing::Test::HasFailure(); ++seed) {
+  for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(trials(40)) && !testing::Test::HasFailure(); ++seed) {
     BodyInABody bodies(seed);
     PipelineSpec spec = test::spec_of("boundary-flood");
     if (seed % 4 == 0) test::registry().apply_setting(spec, "csat.mode=features");  // pairs without contacts
@@ -93,7 +95,7 @@ TEST(FloodClauses, BodiesInsideEachOtherOverManySteps) {
     for (std::size_t step = 0; step < 6; ++step)
       contacts += bodies.compare(contest, step, "seed " + std::to_string(seed) + ", step " + std::to_string(step));
   }
-  EXPECT_GT(contacts, 10000u);
+  EXPECT_GT(contacts, static_cast<std::size_t>(trials(10000)));
 }
 
 /// A closed surface around two vertices, each of which has eight tetrahedra below the same eight triangles.

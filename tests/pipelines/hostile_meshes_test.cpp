@@ -1,17 +1,18 @@
-// `VolCCD+` loses no contact on meshes that are made to break floods and vertex stars. VOLCCD_HOSTILE_MESHES sets the
-// number of meshes of the long test, VOLCCD_HOSTILE_SEED its first seed.
+// `VolCCD+` loses no contact on meshes that are made to break floods and vertex stars. VOLCCD_HOSTILE_SEED sets the first
+// seed of the long test, VOLCCD_HOSTILE_REPORTED how many failures it reports.
 #include <gtest/gtest.h>
 
 #include <volccd/oracle/judge/hostile_judge.hpp>
 
 #include "pipelines/scenes.hpp"
-#include "support/from_environment.hpp"
+#include "support/trials.hpp"
 
 namespace volccd {
 namespace {
 
 using test::from_environment;
 using test::registry;
+using test::trials;
 
 HostileJudge all_pipelines() {
   return {registry(), {forced_flood(registry()), default_flood(registry()), forced_star_orphans(registry())}};
@@ -31,11 +32,11 @@ class HostileMeshFamily : public testing::TestWithParam<cases::HostileFamily> {}
 
 TEST_P(HostileMeshFamily, LosesNoContact) {
   HostileJudge judge = all_pipelines();
-  for (std::uint64_t seed = 1; seed <= 30 && !HasFailure(); ++seed) {
+  for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(trials(30)) && !HasFailure(); ++seed) {
     cases::Choices choices(seed);
     EXPECT_EQ(judge.judge(make_hostile(choices, GetParam())), "") << "seed " << seed;
   }
-  EXPECT_GT(judge.counters().contacts, 100u);
+  EXPECT_GT(judge.counters().contacts, static_cast<std::uint64_t>(trials(100)));
 }
 INSTANTIATE_TEST_SUITE_P(All, HostileMeshFamily, testing::ValuesIn(cases::hostile_families()),
                          [](const auto& of) { return of.param.name; });
@@ -48,7 +49,7 @@ TEST(HostileMeshes, TheSameSeedGivesTheSameCase) {
 /// Continues after a failure, and reports the first ones.
 TEST(LongHostileMeshes, LoseNoContact) {
   const std::uint64_t first = from_environment("VOLCCD_HOSTILE_SEED", 1);
-  const std::uint64_t count = from_environment("VOLCCD_HOSTILE_MESHES", 3000);
+  const std::uint64_t count = static_cast<std::uint64_t>(trials(3000));
   const std::uint64_t max_reported = from_environment("VOLCCD_HOSTILE_REPORTED", 5);
   HostileJudge judge = all_pipelines();
   std::uint64_t failures = 0;

@@ -8,12 +8,14 @@
 
 #include <volccd/oracle/cases/near_degenerate.hpp>
 
+#include "support/trials.hpp"
+
 namespace volccd::test {
 
-/// Runs seeds first, first + 1, ...; stops at the first failure.
+/// Runs trials(cases) seeds, from the first one on; stops at the first failure.
 template <class Property>
 void run_seeds(std::uint64_t first, int cases, Property&& property) {
-  for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(cases); ++seed) {
+  for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(trials(cases)); ++seed) {
     cases::Choices choices(seed);
     const std::string failure = property(choices);
     if (failure.empty()) continue;

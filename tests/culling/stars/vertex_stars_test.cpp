@@ -17,6 +17,7 @@
 #include "culling/exact_contacts.hpp"
 #include "culling/stars/ends_in_loop.hpp"
 #include "culling/stars/jittered_block.hpp"
+#include "support/trials.hpp"
 
 namespace volccd::detail {
 namespace {
@@ -89,7 +90,7 @@ void expect_clear_stars_do_not_touch(double max_separation) {
   for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge,
                                  ElementType::pyramid, ElementType::none}) {
     Seen seen;
-    for (std::uint64_t seed = 1; seed <= 60; ++seed)
+    for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(test::trials(60)); ++seed)
       expect_clear_stars_do_not_touch(type, seed, seed % 4 == 0, max_separation, seen);
     EXPECT_GT(seen.clear, 100u) << to_string(type);
     EXPECT_GT(seen.suspect, 100u) << to_string(type);

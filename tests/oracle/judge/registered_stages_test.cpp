@@ -11,7 +11,7 @@
 
 #include "support/all_stages.hpp"
 #include "support/allocations.hpp"
-#include "support/from_environment.hpp"
+#include "support/trials.hpp"
 
 namespace volccd {
 namespace {
@@ -61,13 +61,13 @@ std::vector<std::string> names() {
 template <class Kind>
 class StagePromises : public testing::TestWithParam<std::string> {
  protected:
-  /// Checks all variants. `trials`: their sum, but at least `min_each` for each.
-  void check(int trials, int min_each, bool pipelines, std::uint64_t first_seed = 1) {
+  /// Checks all variants. `all_trials`: their sum, but at least `min_each` for each.
+  void check(int all_trials, int min_each, bool pipelines, std::uint64_t first_seed = 1) {
     const Registry registry = test::all_stages();
     const std::vector<OptionValues> all = variants(registry.stage<Kind>(GetParam()).options);
     StageCheckConfig config;
     config.seed = first_seed;
-    config.trials = std::max(trials / static_cast<int>(all.size()), min_each);
+    config.trials = test::trials(std::max(all_trials / static_cast<int>(all.size()), min_each));
     config.pipelines = pipelines;
     config.allocation_count = test::allocation_count;
     for (const OptionValues& options : all) {
@@ -113,17 +113,11 @@ class LongElementCullingPromises : public ElementCullingPromises {};
 class LongFeatureFilterPromises : public FeatureFilterPromises {};
 class LongNarrowPhasePromises : public NarrowPhasePromises {};
 
-/// VOLCCD_JUDGE_TRIALS: by how much there are more trials than those below (.ci/nightly).
-int trials(int count) {
-  const auto factor = test::from_environment("VOLCCD_JUDGE_TRIALS", 1);
-  return count * static_cast<int>(std::min<std::uint64_t>(factor, 10'000));
-}
-
-TEST_P(LongBroadPhasePromises, AreKept) { check(trials(10'000), 300, false, 10'000'000); }
-TEST_P(LongElementCullingPromises, AreKept) { check(trials(10'000), 300, false, 10'000'000); }
-TEST_P(LongFeatureFilterPromises, AreKept) { check(trials(10'000), 400, false, 10'000'000); }
+TEST_P(LongBroadPhasePromises, AreKept) { check(10'000, 300, false, 10'000'000); }
+TEST_P(LongElementCullingPromises, AreKept) { check(10'000, 300, false, 10'000'000); }
+TEST_P(LongFeatureFilterPromises, AreKept) { check(10'000, 400, false, 10'000'000); }
 /// Fewer trials, because exact arithmetic judges every test.
-TEST_P(LongNarrowPhasePromises, AreKept) { check(trials(500), 50, false, 10'000'000); }
+TEST_P(LongNarrowPhasePromises, AreKept) { check(500, 50, false, 10'000'000); }
 
 INSTANTIATE_TEST_SUITE_P(All, BroadPhasePromises, all_of<BroadPhase>(), name_of);
 INSTANTIATE_TEST_SUITE_P(All, ElementCullingPromises, all_of<ElementCulling>(), name_of);
