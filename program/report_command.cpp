@@ -129,6 +129,7 @@ class SceneList {
       entry["notes"].push_back("The hash of the file differs from that of the measured file.");
     entry["scene"] = input.scene;
     entry["records"] = input.records;
+    add_picture(entry);
     entry["data"] = folder_.write_scene(name, scene.script);
     Report(options_.report).print("{}: {} frames, {}\n", name, entry.at("frames").dump(), memory(scene.script.size()));
     list_.push_back(std::move(entry));
@@ -144,6 +145,14 @@ class SceneList {
                      {"file", input.file},
                      {"records", input.records},
                      {"missing", command}});
+    add_picture(list_.back());
+  }
+
+  /// The picture of the scene beside the records, if there is one.
+  void add_picture(json& entry) {
+    const std::string scene = entry.at("scene");
+    const fs::path file = fs::path(options_.input) / "pictures" / (scene + ".png");
+    if (fs::is_regular_file(file)) entry["picture"] = folder_.copy_picture(scene, file.string());
   }
 
   const PageOptions& options_;
@@ -238,7 +247,7 @@ void add_report_command(CLI::App& app, const Registry& registry, Action& action)
   command->footer(
       "FOLDER/index.html opens from disk, without a server or a network. The sequences that the records name are\n"
       "shown where they are in the cache or among the shared data; nothing is simulated, and those that are missing\n"
-      "are listed with the command that makes them.\n"
+      "are listed with the command that makes them. RESULTS/pictures/SCENE.png is shown beside the name of a scene.\n"
       "Examples:\n"
       "  volccd report results/ -o report/\n"
       "  volccd report results/ --scenes liver,octopi -o report/\n"

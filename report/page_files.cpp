@@ -143,6 +143,14 @@ std::string ReportFolder::write_scene(const std::string& name, const std::string
   return path;
 }
 
+std::string ReportFolder::copy_picture(const std::string& scene, const std::string& file) {
+  const std::string path = "data/scene-" + scene + ".png";
+  if (std::find(scenes_.begin(), scenes_.end(), path) != scenes_.end()) return path;
+  write(path, contents(file));
+  scenes_.push_back(path);
+  return path;
+}
+
 void ReportFolder::replace(const std::string& path) const {
   std::error_code error;
   const fs::path to = fs::path(folder_) / path;
@@ -155,7 +163,7 @@ void ReportFolder::remove_old_scenes() const {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(fs::path(folder_) / "data", error)) {
     const std::string name = entry.path().filename().string();
-    if (name.starts_with("scene-") && name.ends_with(".js") &&
+    if (name.starts_with("scene-") && (name.ends_with(".js") || name.ends_with(".png")) &&
         std::find(scenes_.begin(), scenes_.end(), "data/" + name) == scenes_.end())
       fs::remove(entry.path(), error);
   }

@@ -446,6 +446,9 @@ class Exporter {
     scene.summary["triangles"] = track_.largest_frame();
     scene.summary["elements"] = reader_.cell_count(0);
     scene.summary["bytes"] = scene.script.size();
+    std::uint64_t contacts = 0;
+    for (const json& motion : head.at("motions")) contacts += motion.at("stats").at("contacts").get<std::uint64_t>();
+    scene.summary["contacts"] = contacts;
     return scene;
   }
 

@@ -104,13 +104,15 @@ class Page {
     const sorted = [...this.report.scenes].sort(
         (a, b) => Number(!!a.missing) - Number(!!b.missing) || a.scene.localeCompare(b.scene) ||
             (b.elements ?? 0) - (a.elements ?? 0));
+    const picture = (s: SceneEntry) =>
+        s.picture ? h("img", {src: s.picture, alt: `picture of ${s.scene}`, loading: "lazy"}) : null;
     return h(
         "div", {class: "cards"},
         ...sorted.map(
-            (s) => s.missing ? h("div", {class: "card missing"}, h("strong", {}, s.scene),
+            (s) => s.missing ? h("div", {class: "card missing"}, picture(s), h("strong", {}, s.scene),
                                  h("p", {}, `${s.file} is not on the machine that made this page.`),
                                  h("p", {}, "To get it: ", h("code", {}, s.missing))) :
-                               h("a", {class: "card", href: `#scenes/${s.name}`}, h("strong", {}, s.scene),
+                               h("a", {class: "card", href: `#scenes/${s.name}`}, picture(s), h("strong", {}, s.scene),
                                  h("p", {},
                                    `${grouped(s.elements ?? 0)} elements, ${s.frames} frames` +
                                        (s.frames !== s.steps ? ` of ${s.steps}` : "") + `, ${megabytes(s.bytes ?? 0)}`),
@@ -141,7 +143,8 @@ class Page {
   }
 
   private scenes(name: string): HTMLElement {
-    const shown = this.report.scenes.filter((s) => !s.missing), entry = shown.find((s) => s.name === name) ?? shown[0];
+    const shown = this.report.scenes.filter((s) => !s.missing);
+    const entry = shown.find((s) => s.name === name) ?? shown.find((s) => s.contacts) ?? shown[0];
     if (!entry) return h("div", {}, h("h2", {}, "Scenes"), this.sceneCards());
     const choose: HTMLSelectElement =
         h("select", {name: "scene", "aria-label": "scene", onchange: () => (location.hash = `scenes/${choose.value}`)},
@@ -171,7 +174,10 @@ class Page {
       return;
     }
     await view.show(entry, this.viewer);
-    if (motion !== undefined || this.report.records.length) view.go(motion ?? view.busiest(), 0);
+    if (motion !== undefined || this.report.records.length) {
+      view.go(motion ?? view.busiest(), 0);
+      this.viewer.look("contacts");
+    }
     window.volccd_test = {view, viewer: this.viewer};
   }
 

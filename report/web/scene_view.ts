@@ -158,10 +158,10 @@ export class SceneView {
         h("p", {class: "legend"}, h("span", {class: "key"}, h("i", {class: "disc"}), "between objects"),
           h("span", {class: "key"}, h("i", {class: "diamond"}), "within an object")),
         h("div", {class: "views"}, "View: ",
-          ...["default", "x", "y", "z"].map(
+          ...["default", "contacts", "x", "y", "z"].map(
               (v) =>
                   h("button", {name: `view-${v}`, onclick: () => viewer.look(v)},
-                    v === "default" ? "default" : `along ${v}`)),
+                    v.length > 1 ? v : `along ${v}`)),
           h("select", {
             name: "up",
             "aria-label": "axis that points upwards",

@@ -48,6 +48,7 @@ export interface SceneEntry {
   file: string;
   records: string[];
   missing?: string;
+  picture?: string;  ///< path of a picture of the scene
   data?: string;
   title?: string;
   fnv1a?: string;
@@ -58,6 +59,7 @@ export interface SceneEntry {
   stride?: number;
   triangles?: number;
   elements?: number;
+  contacts?: number;
   bytes?: number;
   notes?: string[];
 }

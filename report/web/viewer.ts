@@ -422,20 +422,42 @@ export class Viewer {
         low[axis] = Math.min(low[axis], used[Math.floor(used.length * cut)] * scale);
         high[axis] = Math.max(high[axis], used[Math.ceil(used.length * (1 - cut)) - 1] * scale);
       }
-    this.target.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2);
     this.radius = 0.5 * Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+    this.frame(low, high, this.radius);
+  }
+
+  /// Moves the camera so that a ball around the middle of a box is visible.
+  private frame(low: number[], high: number[], radius: number): void {
+    this.target.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2);
     const aspect = this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1) || 1.5;
-    this.distance = (this.radius / Math.sin(0.28)) * Math.max(1, 1 / aspect) * 0.88;
+    this.distance = (radius / Math.sin(0.28)) * Math.max(1, 1 / aspect) * 0.88;
     this.draw();
   }
 
-  /// Looks along an axis, or from the initial direction.
+  /// Moves the camera so that the drawn contacts of the step are in the middle, with what is around them. Without any,
+  /// all bodies are visible.
+  private fitContacts(): void {
+    const data = this.data!, first = data.firstMark[this.motion] ?? 0;
+    const count = data.header.motions[this.motion]?.shown ?? 0;
+    if (!count) return;
+    const low = [1, 1, 1], high = [0, 0, 0];
+    for (let i = first; i < first + count; ++i)
+      for (let axis = 0; axis < 3; ++axis) {
+        low[axis] = Math.min(low[axis], data.marks[axis][i] / 65535);
+        high[axis] = Math.max(high[axis], data.marks[axis][i] / 65535);
+      }
+    const radius = 0.5 * Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+    this.frame(low, high, Math.min(this.radius, Math.max(1.5 * radius, 0.3 * this.radius)));
+  }
+
+  /// Looks along an axis, or from the initial direction; "contacts": from there at the contacts of the step.
   look(view: string): void {
     const place = this.axes.indexOf("xyz".indexOf(view));
     const [azimuth, elevation] = [[0, 0], [-Math.PI / 2, 0], [-Math.PI / 2, Math.PI / 2 - 0.001]][place] ?? [0.9, 0.45];
     this.azimuth = azimuth;
     this.elevation = elevation;
     this.fit();
+    if (view === "contacts") this.fitContacts();
   }
 
   /// Sets the upward axis, 0 to 2.

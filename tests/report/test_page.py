@@ -48,6 +48,9 @@ def setUpModule():
     run(FOLDER, "experiment", "run", "projectile", "--quick", "-o", FOLDER / "results")
     for name in ("table1", "scenes", "plus"):
         shutil.copy(ROOT / "results" / f"{name}.json", FOLDER / "results")
+    (FOLDER / "results/pictures").mkdir()
+    for name in ("octopi", "liver"):
+        shutil.copy(ROOT / "results/pictures" / f"{name}.png", FOLDER / "results/pictures")
     # A sequence in the place of one that table1 measured, so that there are two scenes, one of which has a note.
     (FOLDER / "cache").mkdir(exist_ok=True)
     shutil.copy(FOLDER / "run.vtkhdf", FOLDER / "cache" / LIVER)
@@ -125,6 +128,10 @@ class Report(Page):
         self.assertRegex(BROWSER.js("document.body.textContent"), HOW_TO_GET.format(scene="octopi"))
         self.assertEqual(self.count("a.card"), 2)
         self.assertGreater(self.count(".card.missing"), 10)
+        BROWSER.js("document.querySelectorAll('.card img').forEach(image => (image.loading = 'eager'))")
+        BROWSER.until("[...document.querySelectorAll('.card img')].every(image => image.naturalWidth > 100)")
+        self.assertGreater(self.count(".card.missing img"), 0)
+        self.assertEqual(self.count("a.card img"), 1)
         for name in ("tables", "figures", "scenes", "overview"):
             self.changes("document.querySelector('main').innerHTML.length",
                     lambda n=name: BROWSER.click(f"header a[data-key={n}]"),
@@ -218,6 +225,15 @@ class Report(Page):
         busiest = contacts.index(max(contacts))
         self.assertGreater(busiest, 0, "the scene shows nothing")
         self.assertIn(f"frames {busiest} →", shown)
+        self.assertLess(self.away_from_contacts(), 1e-6)
+
+    def away_from_contacts(self):
+        """The distance of the camera's target from the middle of the contacts of the step."""
+        return BROWSER.js("""(({data, target, motion}) => { const first = data.firstMark[motion];
+            const count = data.header.motions[motion].shown;
+            return Math.hypot(...[0, 1, 2].map(axis => { const values = [...data.marks[axis].slice(first, first + count)];
+              return target.getComponent(axis) - (Math.min(...values) + Math.max(...values)) / 2 / 65535; })); })
+            (volccd_test.viewer)""")
 
     def test_an_unknown_scene_is_named(self):
         self.go("scenes/no-such-scene")
@@ -418,15 +434,20 @@ class View(Page):
         self.redraws(lambda: BROWSER.mouse("mouseWheel", *BROWSER.place("canvas"), deltaX=0, deltaY=200), "the wheel")
         for axis in "102":
             self.redraws(lambda a=axis: BROWSER.set("select[name=up]", a), f"{axis} upwards")
-        for view in ("x", "y", "z", "default"):
+        self.go_to_contacts()
+        for view in ("x", "y", "z", "default", "contacts", "default"):
             self.redraws(lambda v=view: BROWSER.click(f"button[name=view-{v}]"), view)
 
-    def test_display_and_parts(self):
+    def go_to_contacts(self):
+        """To a step with contacts between objects, and within an object if there is such a step."""
         marked = BROWSER.js("volccd_test.view.data.header.motions.findIndex(m => m.inter > 0 && m.inter < m.stats.contacts)")
         if marked < 0:
             marked = BROWSER.js("volccd_test.view.data.header.motions.findIndex(m => m.inter > 0)")
         self.assertGreaterEqual(marked, 0)
         BROWSER.set(".time", str(20 * marked))
+
+    def test_display_and_parts(self):
+        self.go_to_contacts()
         self.redraws(lambda: BROWSER.click("input[name=lines]"), "edges")
         self.redraws(lambda: BROWSER.click("input[name=marks]"), "contacts")
         BROWSER.click("input[name=marks]")
