@@ -5,6 +5,30 @@ include(CMakePackageConfigHelpers)
 
 set(VOLCCD_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/volccd")
 
+# volccd_tool_manual(name script): the manual page of a tool in Python, from its --help. Needs help2man, and what the tool
+# imports; otherwise there is none.
+find_program(VOLCCD_HELP2MAN help2man)
+function(volccd_tool_manual name script)
+  set(tool "${CMAKE_BINARY_DIR}/manual/volccd-${name}")
+  file(CONFIGURE OUTPUT "${tool}" @ONLY
+       CONTENT "#!/bin/sh\nexec /usr/bin/python3 -B \"${PROJECT_SOURCE_DIR}/tools/${script}.py\" \"$@\"\n")
+  file(CHMOD "${tool}" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+  execute_process(COMMAND "${tool}" --version RESULT_VARIABLE code OUTPUT_QUIET ERROR_QUIET)
+  if(NOT VOLCCD_HELP2MAN OR NOT code EQUAL 0)
+    message(STATUS "volccd-${name}: no manual page (help2man, and what the tool imports)")
+    return()
+  endif()
+  file(READ "${PROJECT_SOURCE_DIR}/tools/${script}.py" text)
+  string(REGEX MATCH "\"\"\"([^\n]*)\\.\n" first "${text}")
+  string(SUBSTRING "${CMAKE_MATCH_1}" 0 1 letter)
+  string(SUBSTRING "${CMAKE_MATCH_1}" 1 -1 rest)
+  string(TOLOWER "${letter}" letter)
+  add_custom_command(OUTPUT "${tool}.1" DEPENDS "${PROJECT_SOURCE_DIR}/tools/${script}.py"
+    COMMAND "${VOLCCD_HELP2MAN}" --no-info "--name=${letter}${rest}" -o "${tool}.1" "${tool}" VERBATIM)
+  add_custom_target(volccd_manual_${name} ALL DEPENDS "${tool}.1")
+  install(FILES "${tool}.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT program)
+endfunction()
+
 install(EXPORT volccdTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
 if(VOLCCD_BUILD_PROGRAM)
   # A package without this file has no such component (volccdConfig.cmake).
@@ -23,6 +47,7 @@ if(VOLCCD_BUILD_PROGRAM)
 exec /usr/bin/python3 \"\$(dirname \"\$(readlink -f \"\$0\")\")/../${CMAKE_INSTALL_DATADIR}/volccd/tools/${script}.py\" \"\$@\"
 ")
     install(PROGRAMS "${CMAKE_BINARY_DIR}/tools/volccd-${name}" DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
+    volccd_tool_manual("${name}" "${script}")
   endforeach()
 endif()
 

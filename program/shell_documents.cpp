@@ -135,11 +135,12 @@ void add_to(Tables& tables, const CLI::App& command, const std::string& path, co
 }  // namespace
 
 std::string manual_page(const CLI::App& app, const std::string& version) {
-  std::string text = fmt::format(".TH {} 1 \"\" \"{} {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n", "VOLCCD",
-                                 app.get_name(), version, app.get_name(), troff(app.get_description()));
-  text += fmt::format(".SH SYNOPSIS\n.B {}\n.I command\n[options]\n.SH COMMANDS\n", app.get_name());
+  const std::string name = troff(app.get_name());
+  std::string text = fmt::format(".TH {} 1 \"\" \"{} {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n", CLI::detail::to_upper(name),
+                                 name, version, name, troff(app.get_description()));
+  text += fmt::format(".SH SYNOPSIS\n.B {}\n.I command\n[options]\n.SH COMMANDS\n", name);
   text += command_entry(app, app.get_name());
-  return text + ".SH EXAMPLES AND EXIT CODES\n" + footer_of(app);
+  return text + (app.get_footer().empty() ? "" : ".SH EXAMPLES AND EXIT CODES\n" + footer_of(app));
 }
 
 std::string bash_completion(const CLI::App& app, const KnownWords& words) {

@@ -20,6 +20,7 @@
 #include <volccd/program/command_line.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/progress.hpp>
+#include <volccd/program/shell_documents.hpp>
 #include <volccd/program/volccd_mpi/detection.hpp>
 
 namespace volccd {
@@ -50,6 +51,8 @@ struct Stop {
 };
 
 std::optional<Stop> parse(CLI::App& app, int argc, char** argv) {
+  if (argc == 2 && std::string_view(argv[1]) == "--manual-page")
+    return Stop{kDone, manual_page(app, build_facts().version), ""};
   try {
     check_command_names(app, argc, argv);
     app.parse(argc, argv);
