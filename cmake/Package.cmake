@@ -117,6 +117,16 @@ foreach(package IN LISTS packages)
   endif()
   install(FILES "${CMAKE_BINARY_DIR}/copyright" DESTINATION "${place}" COMPONENT ${component})
 endforeach()
+# Documents with the program, examples with what they use.
+set(doc "${CMAKE_INSTALL_DATADIR}/doc")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${doc}/volccd" COMPONENT program FILES_MATCHING PATTERN "*.md")
+foreach(example IN ITEMS c fortran solver custom_culling)
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples/${example}" DESTINATION "${doc}/libvolccd-dev/examples" COMPONENT dev)
+endforeach()
+if(TARGET volccd_python AND NOT "${VOLCCD_PYTHON_DIR}" STREQUAL ".")
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples/python" "${PROJECT_SOURCE_DIR}/examples/dolfinx"
+          DESTINATION "${doc}/python3-volccd/examples" COMPONENT python)
+endif()
 
 # pkg-config: volccd.pc, for builds without CMake. Users of a static library also link the libraries that it needs
 # (--static).

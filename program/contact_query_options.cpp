@@ -13,6 +13,7 @@ void ContactQueryOptions::add_to(CLI::App& command) {
       .add_option("--overlaps", overlaps,
                   "also find the elements that overlap at the start of a step, and write them as CSV")
       ->type_name("FILE");
+  command.add_option("--stats", stats, "write counts and times as JSON")->type_name("FILE");
   command.add_flag("--first", first, "find only the earliest contact of each step, which is faster");
   query.add_to(command);
   sequence.add_parts_to(command);

@@ -11,11 +11,11 @@
 
 namespace volccd {
 
-/// What is read, the query, --pipeline, --set, --contacts, --overlaps, --first. Must outlive the parsing.
+/// What is read, the query, --pipeline, --set, --contacts, --overlaps, --stats, --first. Must outlive the parsing.
 struct ContactQueryOptions {
   SequenceOptions sequence;
   QueryOptions query;
-  std::string pipeline = "VolCCD+", contacts, overlaps;
+  std::string pipeline = "VolCCD+", contacts, overlaps, stats;
   std::vector<std::string> settings;
   bool first = false;
 

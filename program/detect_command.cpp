@@ -33,7 +33,7 @@ namespace {
 
 struct DetectOptions : ContactQueryOptions {
   ReportOptions report;
-  std::string vtk, stats, lists;
+  std::string vtk, lists;
   int substeps = 1;
   std::optional<int> ranks;
 
@@ -409,7 +409,6 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
           "for ParaView: F.vtp has a point for each contact, with normals, times, kinds, objects; F.pvd is a series "
           "of the features in contact at the end of each step, in F_0000.vtp, ...")
       ->type_name("FILE");
-  command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
   command
       ->add_option("--substeps", options->substeps,
                    "divide each motion into N steps; steps in files are then numbered N k to N k + N - 1")

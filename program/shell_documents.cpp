@@ -136,8 +136,8 @@ void add_to(Tables& tables, const CLI::App& command, const std::string& path, co
 
 std::string manual_page(const CLI::App& app, const std::string& version) {
   const std::string name = troff(app.get_name());
-  std::string text = fmt::format(".TH {} 1 \"\" \"{} {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n", CLI::detail::to_upper(name),
-                                 name, version, name, troff(app.get_description()));
+  std::string text = fmt::format(".TH {} 1 \"\" \"{} {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n",
+                                 CLI::detail::to_upper(name), name, version, name, troff(app.get_description()));
   text += fmt::format(".SH SYNOPSIS\n.B {}\n.I command\n[options]\n.SH COMMANDS\n", name);
   text += command_entry(app, app.get_name());
   return text + (app.get_footer().empty() ? "" : ".SH EXAMPLES AND EXIT CODES\n" + footer_of(app));

@@ -8,12 +8,14 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <volccd/distributed/agreement.hpp>
 #include <volccd/distributed/detector.hpp>
 #include <volccd/distributed/global_order.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/io/contacts_csv.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/program/output_plan.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/rank_table.hpp>
@@ -52,6 +54,13 @@ double from_ordered(std::uint64_t bits) {
   return std::bit_cast<double>((bits >> 63) != 0 ? bits & ~(std::uint64_t{1} << 63) : ~bits);
 }
 
+/// Sums over the ranks in one step.
+struct StepRow {
+  int step = 0;
+  std::uint64_t tests = 0, contacts = 0, initial_overlaps = 0, elements = 0;
+  double earliest_toi = std::numeric_limits<double>::infinity(), slowest_seconds = 0;
+};
+
 class RankDetection {
  public:
   RankDetection(distributed::MpiExchange& exchange, ContactQueryOptions options, const ReportOptions& report,
@@ -68,9 +77,10 @@ class RankDetection {
     } catch (const distributed::RankError&) {
       if (contacts_) contacts_->discard();
       if (overlaps_) overlaps_->discard();
+      if (stats_) stats_->discard();
       throw;
     }
-    print();
+    if (first()) print();
   }
 
  private:
@@ -80,6 +90,7 @@ class RankDetection {
     if (!options_.contacts.empty()) contacts_.emplace(exchange_, options_.contacts);
     if (!options_.overlaps.empty()) overlaps_.emplace(exchange_, options_.overlaps);
     if (contacts_) contacts_->write(first() ? contacts_csv_header() : "");
+    if (!options_.stats.empty()) stats_.emplace(exchange_, options_.stats);
     if (overlaps_) overlaps_->write(first() ? "step,a,b\n" : "");
     Progress progress("detecting", static_cast<std::size_t>(range_.end - range_.begin), "steps");
     for (int k = range_.begin; k < range_.end; ++k) {
@@ -88,6 +99,10 @@ class RankDetection {
     }
     if (contacts_) contacts_->finish();
     if (overlaps_) overlaps_->finish();
+    gather_ranks();
+    if (stats_)
+      stats_->write(first() ? stats().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n" : "");
+    if (stats_) stats_->finish();
   }
 
   /// Rank 0 goes first, because it may have to make the sequence of a scene.
@@ -100,6 +115,7 @@ class RankDetection {
         plan.input("FILE", options_.sequence.file);
         if (first()) plan.output("--contacts", options_.contacts, "all processes write to it");
         if (first()) plan.output("--overlaps", options_.overlaps, "all processes write to it");
+        if (first()) plan.output("--stats", options_.stats, "all processes write to it");
         plan.check();
         request_ = options_.request();
         executor_ = make_interruptible_executor(options_.query.threads);
@@ -214,30 +230,65 @@ class RankDetection {
     exchange_.allreduce(sums, Reduction::sum);
     exchange_.allreduce({&least, 1}, Reduction::min);
     exchange_.allreduce({&slowest, 1}, Reduction::max);
-    earliest = from_ordered(least);
-    rows_.push_back({std::to_string(k), grouped(sums[1]), grouped(sums[0]),
-                     std::isfinite(earliest) ? fmt::format("{:.6f}", earliest) : "-",
-                     fmt::format("{:.2f}", 1e-6 * static_cast<double>(slowest))});
-    if (overlaps_) rows_.back().insert(rows_.back().begin() + 3, grouped(sums[2]));
-    elements_ += sums[5];
+    rows_.push_back({.step = k,
+                     .tests = sums[1],
+                     .contacts = sums[0],
+                     .initial_overlaps = sums[2],
+                     .elements = sums[5],
+                     .earliest_toi = from_ordered(least),
+                     .slowest_seconds = 1e-9 * static_cast<double>(slowest)});
   }
 
-  void print() {
-    std::vector<RankStatistics> ranks;
+  void gather_ranks() {
     const auto* const mine = reinterpret_cast<const std::byte*>(&sum_);
     for (const Bytes& bytes : exchange_.allgather(Bytes(mine, mine + sizeof sum_)))
-      std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::byte*>(&ranks.emplace_back()));
-    if (!first()) return;
+      std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::byte*>(&ranks_.emplace_back()));
+  }
+
+  nlohmann::json stats() const {
+    nlohmann::json steps = nlohmann::json::array();
+    for (const StepRow& row : rows_)
+      steps.push_back({{"step", row.step},
+                       {"elements", row.elements},
+                       {"tests", row.tests},
+                       {"contacts", row.contacts},
+                       {"initial_overlaps", row.initial_overlaps},
+                       {"earliest_toi",
+                        std::isfinite(row.earliest_toi) ? nlohmann::json(row.earliest_toi) : nlohmann::json(nullptr)},
+                       {"slowest_seconds", row.slowest_seconds}});
+    return {{"sequence", options_.sequence.file},
+            {"query", options_.first ? "first" : "all"},
+            {"initial_overlaps", request_.initial_overlaps},
+            {"pairs", options_.query.pairs},
+            {"separation", detector_->separation()},
+            {"motion", options_.sequence.motion},
+            {"threads", executor_->workers()},
+            {"pipeline", to_json(detector_->pipeline())},
+            {"machine", machine_facts()},
+            {"ranks", rank_json(ranks_)},
+            {"steps", steps}};
+  }
+
+  void print() const {
     std::vector<std::string> header = {"step", "tests", "contacts", "earliest t", "slowest rank [ms]"};
     if (overlaps_) header.insert(header.begin() + 3, "initial overlaps");
     TextTable table(header);
-    for (const auto& row : rows_) table.add(row);
+    std::uint64_t elements = 0;
+    for (const StepRow& row : rows_) {
+      std::vector<std::string> cells = {std::to_string(row.step), grouped(row.tests), grouped(row.contacts),
+                                        std::isfinite(row.earliest_toi) ? fmt::format("{:.6f}", row.earliest_toi) : "-",
+                                        fmt::format("{:.2f}", 1e3 * row.slowest_seconds)};
+      if (overlaps_) cells.insert(cells.begin() + 3, grouped(row.initial_overlaps));
+      table.add(cells);
+      elements += row.elements;
+    }
     const Report report(report_);
     report.print("{}: {}, {}, {} ranks with {} thread(s) each\n\n{}\n{}", options_.sequence.file,
                  detector_->pipeline().spec().name, to_string(detector_->pipeline().guarantee()), exchange_.size(),
-                 executor_->workers(), table.text(), rank_table(ranks, elements_));
+                 executor_->workers(), table.text(), rank_table(ranks_, elements));
     if (contacts_) report.print("\ncontacts written to {}\n", contacts_->name());
     if (overlaps_) report.print("{}initial overlaps written to {}\n", contacts_ ? "" : "\n", overlaps_->name());
+    if (stats_) report.print("{}statistics written to {}\n", contacts_ || overlaps_ ? "" : "\n", stats_->name());
   }
 
   const InterruptGuard guard_;
@@ -250,10 +301,10 @@ class RankDetection {
   StepRange range_;
   std::unique_ptr<StepSource> source_;
   std::optional<distributed::Detector> detector_;
-  std::optional<SharedTextFile> contacts_, overlaps_;
-  std::vector<std::vector<std::string>> rows_;  ///< of the table of steps
+  std::optional<SharedTextFile> contacts_, overlaps_, stats_;
+  std::vector<StepRow> rows_;
   RankStatistics sum_;
-  std::uint64_t elements_ = 0;  ///< of the mesh, in all steps
+  std::vector<RankStatistics> ranks_;  ///< the sums of all ranks, after the last step
 };
 
 }  // namespace

@@ -2,10 +2,13 @@
 
 Skipped where mpirun cannot start two processes."""
 
+import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 MPIRUN, TEST_MPI, VOLCCD, VOLCCD_MPI = (sys.argv[1:5] + [None, None])[:4]
@@ -134,6 +137,45 @@ class Program(unittest.TestCase):
             lines = self.refused("-n", "1", *detect, ":", "-n", "1", *detect, *options)
             self.assertEqual(len(lines), 1, lines)
             self.assertIn(part, lines[0])
+
+    def test_statistics(self):
+        names = [self.path("serial.json"), self.path("ranks.json")]
+        for command in ((VOLCCD, "detect", self.sequence, "--stats", names[0]),
+                        (MPIRUN, "-n", "3", VOLCCD_MPI, "detect", self.sequence, "--stats", names[1])):
+            result = run(*command)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        serial, ranks_of_it = [], []
+        for name, kept in zip(names, (serial, ranks_of_it)):
+            with open(name, encoding="utf-8") as file:
+                kept.append(json.load(file))
+            os.remove(name)
+        one, three = serial[0], ranks_of_it[0]
+        self.assertEqual(len(three["ranks"]), 3)
+        self.assertEqual([(s["step"], s["contacts"], s["earliest_toi"]) for s in three["steps"]],
+                         [(s["step"], s["contacts"], s["earliest_toi"]) for s in one["steps"]])
+        for key in ("contacts", "tests"):
+            self.assertEqual(sum(rank[key] for rank in three["ranks"]), sum(step[key] for step in three["steps"]), key)
+        self.assertEqual((three["pipeline"]["name"], three["sequence"]), (one["pipeline"]["name"], one["sequence"]))
+        self.assertLessEqual(max(step["slowest_seconds"] for step in three["steps"]),
+                             max(rank["seconds"] for rank in three["ranks"]) + 1e-6)
+
+    def test_ctrl_c_ends_all_ranks_and_leaves_no_file(self):
+        long = self.path("long.vtkhdf")
+        made = run(VOLCCD, "scene", "generate", "builtin", "--elements", "20000", "--steps", "60", "-o", long)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.addCleanup(os.remove, long)
+        contacts = self.path("contacts.csv")
+        with subprocess.Popen([MPIRUN, "-n", "2", VOLCCD_MPI, "detect", long, "--pipeline", "NavCCD", "--contacts", contacts],
+                              env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+            end = time.monotonic() + 60
+            while not any("contacts.csv" in name for name in os.listdir(self.folder.name)):
+                self.assertLess(time.monotonic(), end, "no output was begun")
+                self.assertIsNone(running.poll(), "ended too early")
+                time.sleep(0.05)
+            running.send_signal(signal.SIGINT)
+            _, problem = running.communicate(timeout=60)
+        self.assertNotEqual(running.returncode, 0, problem)
+        self.assertEqual(sorted(os.listdir(self.folder.name)), ["long.vtkhdf", "run.vtkhdf"], problem)
 
     def test_help_and_version_are_printed_once(self):
         for option, text in (("--help", "volccd-mpi"), ("--version", "volccd-mpi ")):
