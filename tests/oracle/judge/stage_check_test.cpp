@@ -22,6 +22,7 @@
 #include "oracle/judge/made_stage.hpp"
 #include "support/all_stages.hpp"
 #include "support/allocations.hpp"
+#include "support/trials.hpp"
 
 namespace volccd {
 namespace {
@@ -90,7 +91,7 @@ const std::string kLoses = "loses no contact", kBatch = "the answer does not dep
 
 /// Most stars of the generated meshes may fold, so that the O-Set provides the orphans unless it is told not to.
 TEST(StageCheck, StarOrphansKeepTheirPromisesWithoutTheOSet) {
-  StageCheckConfig config = quick(2000);
+  StageCheckConfig config = quick(test::trials(2000));
   config.options = {{"max_suspect_fraction", "1"}};
   const StageReport report = check_stage(test::all_stages(), "star-orphans", config);
   EXPECT_TRUE(report.kept()) << text_of(report);
