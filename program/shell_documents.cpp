@@ -1,5 +1,6 @@
 #include <volccd/program/shell_documents.hpp>
 
+#include <cctype>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -136,8 +137,10 @@ void add_to(Tables& tables, const CLI::App& command, const std::string& path, co
 
 std::string manual_page(const CLI::App& app, const std::string& version) {
   const std::string name = troff(app.get_name());
-  std::string text = fmt::format(".TH {} 1 \"\" \"{} {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n",
-                                 CLI::detail::to_upper(name), name, version, name, troff(app.get_description()));
+  std::string title = name;
+  for (char& c : title) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  std::string text = fmt::format(".TH {} 1 \"\" \"{} {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n", title, name,
+                                 version, name, troff(app.get_description()));
   text += fmt::format(".SH SYNOPSIS\n.B {}\n.I command\n[options]\n.SH COMMANDS\n", name);
   text += command_entry(app, app.get_name());
   return text + (app.get_footer().empty() ? "" : ".SH EXAMPLES AND EXIT CODES\n" + footer_of(app));
