@@ -41,7 +41,7 @@ def plus_page(rows, title):
     page = Page(DOUBLE, 12 + 3.1 * pitch * len(scenes))
     panel, looks = page.panels[0][0], Looks()
     panel.set(xscale="log", xlabel="ms a step (mean over steps)", title=title, ylim=(len(scenes) * pitch - 1, -1))
-    low, _ = log_limits(panel.set_xlim, [ms for some in bars.values() for _, ms in some], 2)
+    low, _ = log_limits(panel.set_xlim, [ms for some in bars.values() for _, ms in some], 2.8)
     panel.grid(axis="x")
     log_axis(panel.xaxis)
     for i, scene in enumerate(scenes):
