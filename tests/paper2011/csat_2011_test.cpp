@@ -8,6 +8,7 @@
 #include <volccd/oracle/cases/query_set.hpp>
 #include <volccd/paper2011/csat_2011.hpp>
 
+#include "narrowphase/query_set.hpp"
 #include "support/stages.hpp"
 
 namespace volccd::test {
@@ -133,8 +134,6 @@ TEST(Csat2011, CullsNothingThatItWasNotMadeFor) {
     EXPECT_EQ(keep[0], 1);
   }
 }
-
-using Query = std::array<Vec3, 8>;
 
 /// Whether feature-csat-2011 keeps the tests.
 std::vector<std::uint8_t> kept(const QuerySet& set) {
