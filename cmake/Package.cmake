@@ -4,6 +4,8 @@
 include(CMakePackageConfigHelpers)
 
 set(VOLCCD_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/volccd")
+file(RELATIVE_PATH VOLCCD_PREFIX_FROM_PC "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+string(REGEX REPLACE "/$" "" VOLCCD_PREFIX_FROM_PC "${VOLCCD_PREFIX_FROM_PC}")
 
 # volccd_tool_manual(name script): the manual page of a tool in Python, from its --help. Needs help2man, and what the tool
 # imports; otherwise there is none.
