@@ -32,9 +32,9 @@ void RegionFilter::prepare(const Step& step, StageState& state, Executor& execut
     for (std::size_t v = begin; v < end; ++v) {
       const double* p = step.motion.at(static_cast<Index>(v));
       for (int i = 0; i < 3; ++i) {
-        double least = p[i];
-        for (int c = 1; c < step.motion.control_points(); ++c) least = std::min(least, p[3 * c + i]);
-        low[v][i] = enlarged_low(least, step.separation);
+        double lowest = p[i];
+        for (int c = 1; c < step.motion.control_points(); ++c) lowest = std::min(lowest, p[3 * c + i]);
+        low[v][i] = enlarged_low(lowest, step.separation);
       }
     }
   });

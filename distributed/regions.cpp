@@ -28,13 +28,13 @@ Cut best_cut(std::span<const Vec3> points, std::span<const double> weights, std:
   double total = 0;
   for (const std::size_t i : order) total += weights[i];
   Cut best;
-  double below = 0, least = kInfinity;
+  double below = 0, smallest = kInfinity;
   for (std::size_t n = 1; n < order.size(); ++n) {
     below += weights[order[n - 1]];
     const double coordinate = points[order[n]][axis];
     const double miss = std::abs(below - share * total);
-    if (points[order[n - 1]][axis] < coordinate && miss < least) {
-      least = miss;
+    if (points[order[n - 1]][axis] < coordinate && miss < smallest) {
+      smallest = miss;
       best = {n, coordinate};
     }
   }

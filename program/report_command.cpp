@@ -151,6 +151,7 @@ class SceneList {
   /// The picture of the scene beside the records, if there is one.
   void add_picture(json& entry) {
     const std::string scene = entry.at("scene");
+    if (fs::path(scene).filename() != scene) return;  // a path, as a record of somebody's own files may have
     const fs::path file = fs::path(options_.input) / "pictures" / (scene + ".png");
     if (fs::is_regular_file(file)) entry["picture"] = folder_.copy_picture(scene, file.string());
   }

@@ -32,8 +32,8 @@ class ReportFolder {
   /// Writes the script of a scene. Returns its path in the finished report, data/scene-NAME.js.
   std::string write_scene(const std::string& name, const std::string& script);
 
-  /// Copies the picture of a scene, a PNG file. Returns its path in the finished report, data/scene-SCENE.png. A scene of
-  /// which there are several sequences has one picture. Throws InputError.
+  /// Copies the picture of a scene, a PNG file. Returns its path in the finished report, data/scene-SCENE.png. A scene
+  /// of which there are several sequences has one picture. Throws InputError.
   std::string copy_picture(const std::string& scene, const std::string& file);
 
   /// Writes the page and data/report.js, moves all files to their places, and removes the scenes of an earlier report.
@@ -47,7 +47,7 @@ class ReportFolder {
   void remove_old_scenes() const;
 
   std::string folder_, page_;
-  bool made_ = false;  ///< the folder did not exist
+  bool made_ = false;                ///< the folder did not exist
   std::vector<std::string> scenes_;  ///< paths of scripts and pictures
 };
 

@@ -26,8 +26,8 @@ struct SceneExportConfig {
 };
 
 struct ExportedScene {
-  std::string script;      ///< volccd_scene("NAME", "BASE64"): docs/report.md has the layout
-  nlohmann::json summary;  ///< entry in the list of scenes: title, frames, triangles, contacts, notes on what was left out
+  std::string script;  ///< volccd_scene("NAME", "BASE64"): docs/report.md has the layout
+  nlohmann::json summary;  ///< entry in the list of scenes: title, frames, triangles, contacts, what was left out
 };
 
 /// Reads the sequence `file` and writes it under `name`. Elements are taken as the tables take them (table_config()):

@@ -4,7 +4,7 @@
 #   long            left out of `scripts/test --quick` and by sanitizers: the same code on more data
 #   threads         runs under the thread sanitizer, with a std::thread executor
 #   kernels         depends on the instruction set: runs for EMU128 as well
-#   slow-sanitized  takes long under the sanitizers, which other tests run the same code under
+#   slow-sanitized  takes long under the address sanitizer, which other tests run the same code under
 set(long "^Long")
 set(threads "Threads")
 set(kernels "^((BroadPhase|ElementCulling|FeatureFilter|NarrowPhase)Promises|ContactHashes)$")

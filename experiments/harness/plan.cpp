@@ -39,7 +39,7 @@ std::vector<StepWindow> with_an_edit(std::vector<StepWindow> windows, int steps,
   const auto contains = [](const StepWindow& window, int step) {
     return step >= window.first && step < window.first + window.count;
   };
-  int least = std::numeric_limits<int>::max();
+  int nearest = std::numeric_limits<int>::max();
   std::size_t chosen = 0;
   StepWindow moved;
   for (const int edit : edits)
@@ -51,9 +51,9 @@ std::vector<StepWindow> with_an_edit(std::vector<StepWindow> windows, int steps,
       if (low > high) continue;
       const StepWindow there{std::clamp(edit - window.count / 2, low, high), window.count};
       const int distance = std::abs(there.first - window.first);
-      if (contains(there, edit) && distance < least) least = distance, chosen = i, moved = there;
+      if (contains(there, edit) && distance < nearest) nearest = distance, chosen = i, moved = there;
     }
-  if (least < std::numeric_limits<int>::max()) windows[chosen] = moved;
+  if (nearest < std::numeric_limits<int>::max()) windows[chosen] = moved;
   return windows;
 }
 

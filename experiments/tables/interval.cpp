@@ -76,9 +76,9 @@ RatioInterval ratio_of_times(const Rows& above, const Rows& below, const std::ve
 std::string interval_text(const RatioInterval& ratio) {
   if (ratio.value <= 0) return "-";
   if (ratio.high <= ratio.low) return ratio_text(ratio.value);
-  const int least = ratio.value < 10 ? 1 : 0;
+  const int min_digits = ratio.value < 10 ? 1 : 0;
   const double half = (ratio.high - ratio.low) / 2;
-  const int digits = half > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(half))), least, 2) : 2;
+  const int digits = half > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(half))), min_digits, 2) : 2;
   return fixed_text(ratio.value, digits) + "x (" + fixed_text(ratio.low, digits) + " to " +
          fixed_text(ratio.high, digits) + ")";
 }

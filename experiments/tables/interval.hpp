@@ -20,9 +20,8 @@ struct RatioInterval {
 /// or `below` took no time.
 RatioInterval ratio_of_times(const Rows& above, const Rows& below, const std::vector<std::string>& columns);
 
-/// "7.4x (7.1 to 7.6)", with the digits that the interval leaves certain; without interval for one round of one step,
-/// and
-/// "-" for a ratio of 0.
+/// "7.4x (7.1 to 7.6)", with the digits that the interval leaves certain; without the interval for one round of one
+/// step; "-" for a ratio of 0.
 std::string interval_text(const RatioInterval& ratio);
 
 }  // namespace volccd

@@ -225,7 +225,8 @@ std::vector<json> ranks_rows(const PlanContext& context) {
   const std::vector<RankCase> cases = rank_cases(context);
   if (cases.empty()) throw ConfigError("ranks: none of its scenes is available");
   std::size_t total = 0, done = 0;
-  for (const RankCase& one : cases) total += std::size(kRankMotions) * (kRankWarmUps + kRankRounds) * (1 + one.ranks.size());
+  for (const RankCase& one : cases)
+    total += std::size(kRankMotions) * (kRankWarmUps + kRankRounds) * (1 + one.ranks.size());
   const auto before_each = [&] {
     if (context.progress) context.progress(done++, total);
   };

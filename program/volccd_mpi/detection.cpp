@@ -89,8 +89,8 @@ class RankDetection {
   void run_steps_on_ranks() {
     if (!options_.contacts.empty()) contacts_.emplace(exchange_, options_.contacts);
     if (!options_.overlaps.empty()) overlaps_.emplace(exchange_, options_.overlaps);
-    if (contacts_) contacts_->write(first() ? contacts_csv_header() : "");
     if (!options_.stats.empty()) stats_.emplace(exchange_, options_.stats);
+    if (contacts_) contacts_->write(first() ? contacts_csv_header() : "");
     if (overlaps_) overlaps_->write(first() ? "step,a,b\n" : "");
     Progress progress("detecting", static_cast<std::size_t>(range_.end - range_.begin), "steps");
     for (int k = range_.begin; k < range_.end; ++k) {
@@ -172,9 +172,9 @@ class RankDetection {
       for (int c = 0; c < motion.control_points(); ++c)
         for (int i = 0; i < 3; ++i) {
           const double x = motion.point(v, c)[i];
-          auto &most = bounds[static_cast<std::size_t>(i)], &least = bounds[static_cast<std::size_t>(i + 3)];
-          most = std::max(most, ordered(x));
-          least = std::max(least, ordered(-x));
+          auto &high = bounds[static_cast<std::size_t>(i)], &low = bounds[static_cast<std::size_t>(i + 3)];
+          high = std::max(high, ordered(x));
+          low = std::max(low, ordered(-x));
         }
     exchange_.allreduce(bounds, Reduction::max);
     Vec3 size;
@@ -188,18 +188,18 @@ class RankDetection {
   }
 
   void warn_of_one_object(int k, const distributed::Elements& elements) {
-    std::uint64_t least = ordered(std::numeric_limits<double>::infinity()), greatest = 0;
+    std::uint64_t lowest = ordered(std::numeric_limits<double>::infinity()), greatest = 0;
     for (const std::int32_t object : elements.objects) {
-      least = std::min(least, ordered(object));
+      lowest = std::min(lowest, ordered(object));
       greatest = std::max(greatest, ordered(object));
     }
-    exchange_.allreduce({&least, 1}, Reduction::min);
+    exchange_.allreduce({&lowest, 1}, Reduction::min);
     exchange_.allreduce({&greatest, 1}, Reduction::max);
-    if (first() && least == greatest)
+    if (first() && lowest == greatest)
       fmt::print(stderr,
                  "volccd-mpi: warning: all elements of step {} belong to object {}, so there are no pairs between "
                  "objects; --parts components makes each connected component an object\n",
-                 k, from_ordered(least));
+                 k, from_ordered(lowest));
   }
 
   void write(int k, const distributed::RankResult& result) {
@@ -226,16 +226,16 @@ class RankDetection {
     std::uint64_t sums[] = {result.contacts.size(),           result.rank.tests,
                             result.initial_overlaps.size(),   static_cast<std::uint64_t>(1e9 * result.rank.seconds),
                             source_->motion().vertex_count(), result.rank.elements - result.rank.copies};
-    std::uint64_t least = ordered(earliest), slowest = sums[3];
+    std::uint64_t first_toi = ordered(earliest), slowest = sums[3];
     exchange_.allreduce(sums, Reduction::sum);
-    exchange_.allreduce({&least, 1}, Reduction::min);
+    exchange_.allreduce({&first_toi, 1}, Reduction::min);
     exchange_.allreduce({&slowest, 1}, Reduction::max);
     rows_.push_back({.step = k,
                      .tests = sums[1],
                      .contacts = sums[0],
                      .initial_overlaps = sums[2],
                      .elements = sums[5],
-                     .earliest_toi = from_ordered(least),
+                     .earliest_toi = from_ordered(first_toi),
                      .slowest_seconds = 1e-9 * static_cast<double>(slowest)});
   }
 

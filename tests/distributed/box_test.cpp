@@ -22,8 +22,8 @@ TEST(DistributedBox, EnlargedBoundsAreRoundedOutward) {
 }
 
 TEST(DistributedBox, HalfOfTheSmallestSeparationIsNotLost) {
-  const double least = std::numeric_limits<double>::denorm_min();
-  EXPECT_LE(enlarged_low(least, least), enlarged_high(0, least));
+  const double tiny = std::numeric_limits<double>::denorm_min();
+  EXPECT_LE(enlarged_low(tiny, tiny), enlarged_high(0, tiny));
 }
 
 TEST(DistributedBox, EnlargedBoundsAreMonotone) {

@@ -52,10 +52,10 @@ inline void check_values(distributed::Exchange& exchange) {
   exchange.allreduce(values, Reduction::sum);
   EXPECT_EQ(values[0], n * (n - 1) / 2);
   EXPECT_EQ(values[1], n * (n - 1) / 2 + 5 * n);
-  std::uint64_t least = mine + 3, greatest = ~std::uint64_t{0} - mine;
-  exchange.allreduce({&least, 1}, Reduction::min);
+  std::uint64_t smallest = mine + 3, greatest = ~std::uint64_t{0} - mine;
+  exchange.allreduce({&smallest, 1}, Reduction::min);
   exchange.allreduce({&greatest, 1}, Reduction::max);
-  EXPECT_EQ(least, 3u);
+  EXPECT_EQ(smallest, 3u);
   EXPECT_EQ(greatest, ~std::uint64_t{0}) << "values are not signed";
   const auto text = [](std::uint64_t r) { return r % 3 == 1 ? "" : std::string(r % 7, 'a') + std::to_string(r); };
   const auto texts = exchange.allgather(distributed::to_bytes(text(mine)));

@@ -15,13 +15,13 @@ namespace {
 using Pairs = std::vector<std::array<std::int64_t, 2>>;
 
 /// The parts of all ranks after they were sorted, one after another. `most`: pairs of a rank.
-Pairs sorted_pairs(int ranks, std::size_t most, std::vector<std::size_t>& counts) {
+Pairs sorted_pairs(int ranks, std::size_t max_pairs, std::vector<std::size_t>& counts) {
   std::vector<Pairs> parts(static_cast<std::size_t>(ranks));
   Pairs all;
   InProcessRanks(ranks).run([&](Exchange& exchange) {
     Random random(static_cast<std::uint64_t>(exchange.rank()) + 1);
     Pairs mine;
-    for (std::size_t i = random.below(most + 1); i > 0; --i)
+    for (std::size_t i = random.below(max_pairs + 1); i > 0; --i)
       mine.push_back(
           {static_cast<std::int64_t>(random.below(50)) - 25, static_cast<std::int64_t>(1000 * i) + exchange.rank()});
     all.insert(all.end(), mine.begin(), mine.end());
@@ -39,10 +39,10 @@ Pairs sorted_pairs(int ranks, std::size_t most, std::vector<std::size_t>& counts
 
 TEST(GlobalOrder, PairsOfAllRanks) {
   for (const int ranks : test::kRankNumbers)
-    for (const std::size_t most : {0, 1, 3, 1000}) {
+    for (const std::size_t max_pairs : {0, 1, 3, 1000}) {
       std::vector<std::size_t> counts;
-      const std::size_t all = sorted_pairs(ranks, most, counts).size();
-      if (most == 1000) {
+      const std::size_t all = sorted_pairs(ranks, max_pairs, counts).size();
+      if (max_pairs == 1000) {
         EXPECT_LT(*std::ranges::max_element(counts), 2 * all / counts.size() + 100);
       }
     }

@@ -1,5 +1,5 @@
-// `VolCCD+` loses no contact on meshes that are made to break floods and vertex stars. VOLCCD_HOSTILE_SEED sets the first
-// seed of the long test, VOLCCD_HOSTILE_REPORTED how many failures it reports.
+// `VolCCD+` loses no contact on meshes that are made to break floods and vertex stars. VOLCCD_HOSTILE_SEED sets the
+// first seed of the long test, VOLCCD_HOSTILE_REPORTED how many failures it reports.
 #include <gtest/gtest.h>
 
 #include <volccd/oracle/judge/hostile_judge.hpp>

@@ -72,7 +72,19 @@ class Report(ProgramTest):
         self.assertEqual(scene["data"], "data/scene-cloth-ball.js")
         self.assertIn("differs", " ".join(scene["notes"]))
         self.assertTrue(self.read("c/data/scene-cloth-ball.js").startswith(b'volccd_scene("cloth-ball", "'))
-        # Another report in the same folder leaves no scene of the old one.
+        # With a picture beside the records; nothing else there is copied.
+        os.makedirs(os.path.join(self.results, "pictures"))
+        self.addCleanup(shutil.rmtree, os.path.join(self.results, "pictures"))
+        for name in ("cloth-ball", "unknown"):
+            with open(os.path.join(self.results, "pictures", name + ".png"), "wb") as file:
+                file.write(b"picture of " + name.encode())
+        self.good("report", self.results, "--scenes", "cloth-ball", "-o", self.path("c"),
+                  env=self.environment(VOLCCD_DATA=self.path("data")))
+        (scene,) = self.data("c")["scenes"]
+        self.assertEqual(self.read("c/" + scene["picture"]), b"picture of cloth-ball")
+        self.assertEqual(sorted(os.listdir(self.path("c/data"))),
+                         ["report.js", "scene-cloth-ball.js", "scene-cloth-ball.png"])
+        # Another report in the same folder leaves no scene and no picture of the old one.
         self.good("report", self.results, "--scenes", "none", "-o", self.path("c"), env=self.environment())
         self.assertEqual(os.listdir(self.path("c/data")), ["report.js"])
         self.no_leftovers()

@@ -92,10 +92,10 @@ void expect_clear_stars_do_not_touch(double max_separation) {
     Seen seen;
     for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(test::trials(60)); ++seed)
       expect_clear_stars_do_not_touch(type, seed, seed % 4 == 0, max_separation, seen);
-    const auto least = static_cast<std::size_t>(test::trials(60));
-    EXPECT_GT(seen.clear, least) << to_string(type);
-    EXPECT_GT(seen.suspect, least) << to_string(type);
-    EXPECT_GT(seen.touching, least) << to_string(type);
+    const auto enough = static_cast<std::size_t>(test::trials(60));
+    EXPECT_GT(seen.clear, enough) << to_string(type);
+    EXPECT_GT(seen.suspect, enough) << to_string(type);
+    EXPECT_GT(seen.touching, enough) << to_string(type);
   }
 }
 
