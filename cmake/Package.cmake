@@ -121,7 +121,8 @@ foreach(package IN LISTS packages)
 endforeach()
 # Documents with the program, examples with what they use.
 set(doc "${CMAKE_INSTALL_DATADIR}/doc")
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${doc}/volccd" COMPONENT program FILES_MATCHING PATTERN "*.md")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${doc}/volccd" COMPONENT program FILES_MATCHING PATTERN "*.md"
+        PATTERN "*.json")
 foreach(example IN ITEMS c fortran solver custom_culling)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples/${example}" DESTINATION "${doc}/libvolccd-dev/examples" COMPONENT dev)
 endforeach()

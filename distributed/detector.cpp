@@ -30,13 +30,7 @@ Pipeline make_pipeline(Registry registry, PipelineSpec spec, const Region& regio
   return pipeline;
 }
 
-void check_separation(double separation) {
-  if (!(separation >= 0) || !std::isfinite(separation))
-    throw ConfigError(fmt::format("separation: {} is not a finite number >= 0", separation));
-}
-
 void check_config(const Config& config) {
-  check_separation(config.separation);
   if (!(config.skin >= 0) || !std::isfinite(config.skin))
     throw ConfigError(fmt::format("skin: {} is not a finite number >= 0", config.skin));
   if (std::isnan(config.max_imbalance)) throw ConfigError("max_imbalance: is not a number");
@@ -49,8 +43,9 @@ std::string options_text(const Pipeline& pipeline, const Config& config) {
     text += fmt::format(", {} {}", role, stage->name);
     for (const auto& [name, value] : stage->options) text += fmt::format(" {}={}", name, value);
   }
-  text += fmt::format("; separation {}; skin {}; max_imbalance {}; pairs {}", config.separation, config.skin,
-                      config.max_imbalance, static_cast<int>(config.filter.scope()));
+  text += fmt::format("; separation {}; skin {}; max_imbalance {}; lists {} {} {}; pairs {}", config.separation,
+                      config.skin, config.max_imbalance, static_cast<int>(config.lists.use), config.lists.budget,
+                      config.lists.steps, static_cast<int>(config.filter.scope()));
   for (const auto& [a, b] : config.filter.excluded()) text += fmt::format(" without {}-{}", a, b);
   return text;
 }
@@ -110,8 +105,7 @@ struct Detector::State {
   Config config;
   Executor& executor;
   Region region;  ///< the region filter refers to it
-  std::optional<Pipeline> pipeline;
-  Workspace workspace;
+  std::optional<StepRunner> runner;
 
   std::optional<detail::Home> home;  ///< empty before set_mesh()
   Regions regions;
@@ -130,7 +124,6 @@ struct Detector::State {
   const Motion* motion = nullptr;  ///< of the piece, in this step
 
   std::vector<std::uint8_t> complete;  ///< Step::complete of the piece; empty until a step needs it
-  StepResult found;                    ///< with slots of the piece
   RankResult result;
   Motion straight;
 };
@@ -140,10 +133,12 @@ Detector::Detector(Exchange& exchange, const Registry& registry, const PipelineS
   State& s = *state_;
   run_on_all(exchange, "options", [&] {
     check_config(config);
-    s.pipeline.emplace(make_pipeline(registry, spec, s.region));
-    s.workspace = s.pipeline->make_workspace();
+    s.runner.emplace(make_pipeline(registry, spec, s.region), RunConfig{.executor = &s.executor,
+                                                                        .separation = config.separation,
+                                                                        .filter = config.filter,
+                                                                        .lists = config.lists});
   });
-  require_same(exchange, "options", options_text(*s.pipeline, config));
+  require_same(exchange, "options", options_text(s.runner->pipeline(), config));
 }
 
 Detector::~Detector() = default;
@@ -152,13 +147,9 @@ Detector& Detector::operator=(Detector&&) noexcept = default;
 
 const RankResult& Detector::result() const { return state_->result; }
 const Regions& Detector::regions() const { return state_->regions; }
-const Pipeline& Detector::pipeline() const { return *state_->pipeline; }
-double Detector::separation() const { return state_->config.separation; }
-
-void Detector::set_separation(double separation) {
-  check_separation(separation);
-  state_->config.separation = separation;
-}
+const Pipeline& Detector::pipeline() const { return state_->runner->pipeline(); }
+double Detector::separation() const { return state_->runner->separation(); }
+void Detector::set_separation(double separation) { state_->runner->set_separation(separation); }
 
 void Detector::set_mesh(Elements elements, std::vector<std::int64_t> vertices, EdgeSet edge_set) {
   detail::Home home(state_->exchange, std::move(elements), std::move(vertices), edge_set);
@@ -211,7 +202,7 @@ const RankResult& Detector::step(const Motion& own, const Request& request) {
              [&] {
                StageClock clock;
                const StageTimer timer(clock, rank.piece_seconds);
-               s.home->make_boxes(s.config.separation, s.executor, s.boxes);
+               s.home->make_boxes(s.runner->separation(), s.executor, s.boxes);
                anew = lists_before && s.divided && s.lists_hold(request) ? 0 : 1;
              },
              {&anew, 1});
@@ -230,7 +221,7 @@ const RankResult& Detector::step(const Motion& own, const Request& request) {
 }
 
 void Detector::State::check_step(const Motion& own, const Request& request) {
-  const std::string text = request_text(own, config.separation, request);
+  const std::string text = request_text(own, runner->separation(), request);
   std::uint64_t hash = 0;
   for (const char c : text) hash = hash * 1099511628211u + static_cast<unsigned char>(c);
   std::uint64_t extremes[2] = {hash, ~hash};
@@ -293,12 +284,9 @@ void Detector::State::make_lists(const Request& request) {
 }
 
 void Detector::State::run(const Request& request) {
-  found = {};
   if (piece.empty()) return;
   if (complete.empty()) find_complete();
-  Step step{piece.topology(), *motion, config.filter, config.separation};
-  step.complete = complete;
-  pipeline->run(step, workspace, executor, found, request);
+  runner->run(piece.topology(), *motion, request, 1, complete);
 }
 
 /// The piece has all elements at a vertex whose box meets the region, because their boxes contain it; and it has them
@@ -309,26 +297,27 @@ void Detector::State::find_complete() {
     if (piece.owners()[v] == PieceMesh::kNoRank) continue;
     Box box;
     extend(box, *motion, {&v, 1}, motion->control_points());
-    complete[v] = region.meets(enlarged(box, config.separation)) ? 1 : 0;
+    complete[v] = region.meets(enlarged(box, runner->separation())) ? 1 : 0;
   }
 }
 
 /// What the pipeline found, with ids.
 void Detector::State::take_result(const Request& request) {
-  result.statistics = std::move(found.statistics);
   result.rank.elements = held;
   result.rank.copies = copies;
-  result.rank.tests = result.statistics.tests();
-  result.rank.contacts = found.contacts.size();
-  result.rank.seconds = result.statistics.seconds;
   if (piece.empty()) return;
+  const StepResult found = runner->take_result();
+  result.statistics = found.statistics;
+  result.rank.tests = found.statistics.tests();
+  result.rank.contacts = found.contacts.size();
+  result.rank.seconds = found.statistics.seconds;
   const Mesh& mesh = piece.topology().mesh();
   for (const Contact& contact : found.contacts) result.contacts.push_back(to_rank_contact(contact, mesh));
   for (const Contact& contact : found.left_out) result.left_out.push_back(to_rank_contact(contact, mesh));
   if (!request.initial_overlaps) return;
   for (const ElementPair pair : found.initial_overlaps) {
-    const Vec3 point =
-        reference_point(start_box(mesh, pair.a, *motion).low, start_box(mesh, pair.b, *motion).low, config.separation);
+    const Vec3 point = reference_point(start_box(mesh, pair.a, *motion).low, start_box(mesh, pair.b, *motion).low,
+                                       runner->separation());
     if (!region.contains(point)) continue;
     const auto [a, b] = std::minmax({mesh.element_id(pair.a), mesh.element_id(pair.b)});
     result.initial_overlaps.push_back({a, b});

@@ -11,7 +11,7 @@
 #include <volccd/distributed/exchange.hpp>
 #include <volccd/distributed/regions.hpp>
 #include <volccd/distributed/result.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 
 namespace volccd::distributed {
 
@@ -31,6 +31,9 @@ struct Config {
   /// over steps, exceeds that of the first step with the present regions, and for the n-th new cuts 2^(n-1) times that.
   /// Infinity: regions stay.
   double max_imbalance = 1.2;
+  /// Whether a rank tests lists of candidates of earlier steps, as long as it has the same piece of the mesh
+  /// (docs/candidate_lists.md).
+  ListConfig lists = {};
 };
 
 /// One of several ranks, each of which gives some elements of a mesh and the positions of some of its vertices. Ranks

@@ -53,6 +53,16 @@ Contact to_contact(const RankContact& found, const Topology& topology) {
   return contact;
 }
 
+/// From sums over `ranks` of them: a step is fresh if it was fresh on one of the ranks; otherwise it made a list,
+/// refreshed one, or used one, if one of the ranks did, in this order.
+void count_lists(Statistics& sums, std::uint64_t ranks) {
+  bool counted = sums.list_steps + sums.refreshed_steps + sums.reused_steps < ranks;
+  for (std::uint64_t* const steps : {&sums.list_steps, &sums.refreshed_steps, &sums.reused_steps}) {
+    *steps = *steps > 0 && !counted ? 1 : 0;
+    counted = counted || *steps > 0;
+  }
+}
+
 }  // namespace
 
 struct InProcessDetector::Rank {
@@ -138,6 +148,7 @@ void InProcessDetector::finish() {
   sort(result_.left_out);
   std::ranges::sort(result_.initial_overlaps);
   Statistics& statistics = result_.statistics;
+  count_lists(statistics, statistics.steps);  // each rank that has elements counts one
   statistics.steps = 1;
   statistics.contacts = result_.contacts.size();
   statistics.contacts_at_start =

@@ -27,7 +27,8 @@ class InProcessDetector {
   InProcessDetector& operator=(InProcessDetector&&) noexcept;
 
   /// The step of all ranks: `motion` has the control points of all vertices of the topology. Slots in the result are
-  /// those of the topology. Counts and times in its statistics are the sums of all ranks; `steps` is 1. If the topology
+  /// those of the topology. Counts and times in its statistics are the sums of all ranks; `steps` is 1, and the step is
+  /// fresh, or counts for lists, as the rank that saved least. If the topology
   /// is another one than before, or has been edited, the ranks receive all of it. If shell neighbours are to be left
   /// out, the vertices of a shell vertex have the ids 3 i, 3 i + 1 and 3 i + 2.
   ///

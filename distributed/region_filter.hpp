@@ -11,6 +11,9 @@ namespace volccd::distributed {
 /// separation (box.hpp). Of regions that divide space, exactly one keeps a test, so that ranks perform it once in all
 /// (the reference-point method of Dittrich and Seeger, 2000).
 ///
+/// Candidates are collected without this filter (FeatureFilter::leaves_tests_to_others): in later steps their reference
+/// points are elsewhere.
+///
 /// As the last filter of a pipeline it has the fewest tests to look at. Its state has 24 bytes a vertex. Guarantee:
 /// exact, because the result depends on comparisons of given doubles alone and, with a separation, on one formula that
 /// all ranks evaluate.
@@ -19,6 +22,7 @@ class RegionFilter final : public FeatureFilter {
   /// The region must outlive the filter, and may change between steps.
   explicit RegionFilter(const Region& region) : region_(region) {}
 
+  bool leaves_tests_to_others() const override { return true; }
   std::unique_ptr<StageState> make_state() const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,

@@ -52,8 +52,8 @@ struct Request {
   /// The tests to perform, in place of those that the stages find: a list that contains all that can be in contact
   /// (CandidateList). Only the feature filters and the narrow phase run; there are no initial overlaps.
   const TestBatch* tests = nullptr;
-  /// Receives the tests that the feature filters keep, ascending, each once, in place of being performed by the narrow
-  /// phase; the step has no contacts then.
+  /// Receives the tests that the feature filters keep, but for those that leave tests to others, ascending, each once,
+  /// in place of being performed by the narrow phase; the step has no contacts then.
   TestBatch* candidates = nullptr;
   /// Receives the pairs between the stages; may be null, and then costs one comparison per batch. Must outlive the run.
   StageObserver* observer = nullptr;

@@ -36,11 +36,12 @@ StepRunner::StepRunner(Pipeline pipeline, RunConfig config)
     throw ConfigError(fmt::format("candidate lists: {} steps: not a finite number >= 0", lists_.steps));
 }
 
-const StepResult& StepRunner::run(const Topology& topology, const Motion& motion, const Request& request,
-                                  double t_max) {
+const StepResult& StepRunner::run(const Topology& topology, const Motion& motion, const Request& request, double t_max,
+                                  std::span<const std::uint8_t> complete) {
   if (!(t_max >= 0 && t_max <= 1)) throw ConfigError(fmt::format("t_max: {} is not within 0 .. 1", t_max));
   Step step{topology, motion, filter_, separation_};
   step.t_max = t_max;
+  step.complete = complete;
   // Observers and initial overlaps need the stages that a list leaves out.
   if (lists_.use == ListConfig::Use::never || request.observer || request.initial_overlaps) {
     pipeline_.run(step, workspace_, *executor_, result_, request);

@@ -38,16 +38,8 @@ struct DetectOptions : ContactQueryOptions {
   std::optional<int> ranks;
 
   ListConfig list_config() const;
-  void check_ranks() const;
+  distributed::Config rank_config(Executor& executor) const;
 };
-
-/// Throws ConfigError for options that ranks do not support.
-void DetectOptions::check_ranks() const {
-  if (!ranks) return;
-  if (substeps > 1) throw ConfigError("--ranks: steps on ranks cannot be divided: leave --substeps out");
-  if (!lists.empty() && lists != "off")
-    throw ConfigError("--ranks: ranks keep no candidate lists: leave --lists out, or --lists off");
-}
 
 /// "off", "auto", or a budget and a number of steps, "B:N".
 ListConfig DetectOptions::list_config() const {
@@ -57,6 +49,13 @@ ListConfig DetectOptions::list_config() const {
   char rest = 0;
   if (std::sscanf(lists.c_str(), "%lf:%lf%c", &config.budget, &config.steps, &rest) != 2)
     throw ConfigError(fmt::format("--lists: '{}' is not off, auto, or BUDGET:STEPS, such as 0.001:20", lists));
+  return config;
+}
+
+/// Frames of a file are so far apart that a skin makes more copies than it saves lists.
+distributed::Config DetectOptions::rank_config(Executor& executor) const {
+  distributed::Config config{.executor = &executor, .filter = query.filter(), .lists = list_config()};
+  if (substeps == 1) config.skin = 0;
   return config;
 }
 
@@ -112,10 +111,8 @@ class Detection {
         stepper_(reader_, options.sequence.stepper()),
         range_(parse_steps(options.sequence.steps, stepper_.step_count(), options.sequence.file)),
         request_(options.request()) {
-    options.check_ranks();
     if (options.ranks)
-      ranks_.emplace(*options.ranks, registry, options.spec(registry),
-                     distributed::Config{.executor = executor_.get(), .filter = options.query.filter(), .skin = 0});
+      ranks_.emplace(*options.ranks, registry, options.spec(registry), options.rank_config(*executor_));
     if (range_.end > std::numeric_limits<int>::max() / options.substeps)
       throw ConfigError(fmt::format("--substeps: {} substeps of {} motions are more than can be numbered",
                                     options.substeps, range_.end));

@@ -16,7 +16,7 @@ namespace volccd {
 std::string rank_table(std::span<const distributed::RankStatistics> ranks, std::uint64_t elements,
                        std::size_t width = kTextWidth);
 
-/// The same rows (docs/json_output.md).
+/// The same rows (docs/output.schema.json).
 nlohmann::json rank_json(std::span<const distributed::RankStatistics> ranks);
 
 }  // namespace volccd

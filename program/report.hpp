@@ -41,7 +41,7 @@ class Report {
   std::FILE* people() const { return people_; }
 
   /// With --json: prints `document`, an object, with "command" added, to the standard output. Bytes that are not UTF-8
-  /// are replaced. The schemas are in docs/json_output.md.
+  /// are replaced. docs/output.schema.json describes the documents.
   void write(const char* command, nlohmann::json document) const;
 
  private:

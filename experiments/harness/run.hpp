@@ -25,7 +25,7 @@ namespace volccd {
 /// again, up to twice, and the faster row takes the place of the stalled one, which keeps the replaced time
 /// (`stalled_seconds`).
 ///
-/// A row is one (scene, step, entrant, round); its columns are in docs/reproducing.md. `progress(done, total)` counts
+/// A row is one (scene, step, entrant, round); its columns are in docs/record.schema.json. `progress(done, total)` counts
 /// measured runs, and may throw to stop; rows already in the record are kept. Throws the exceptions of the reader and
 /// of the pipelines.
 void run_experiment(const Registry& registry, const ExperimentPlan& plan, Executor& executor, RecordFile& record,

@@ -16,7 +16,7 @@ ExperimentPlan baselines_plan(const PlanContext& context);
 /// steps.
 std::vector<TitledTable> baselines_tables(const nlohmann::json& record);
 
-/// An object for each scene; docs/reproducing.md lists its keys.
+/// An object for each scene; docs/record.schema.json lists its keys.
 nlohmann::json baselines_summary(const nlohmann::json& record);
 
 }  // namespace volccd

@@ -8,13 +8,13 @@ namespace volccd {
 /// The scenes, for their files only (the plan has no windows), and the number of rounds.
 ExperimentPlan first_steps_plan(const PlanContext& context);
 
-/// One row for each scene and round; docs/reproducing.md lists the columns. Throws ConfigError if no scene is
+/// One row for each scene and round; docs/record.schema.json lists the columns. Throws ConfigError if no scene is
 /// available.
 std::vector<nlohmann::json> first_steps_rows(const PlanContext& context);
 
 std::vector<TitledTable> first_steps_tables(const nlohmann::json& record);
 
-/// An object for each scene; docs/reproducing.md lists its keys.
+/// An object for each scene; docs/record.schema.json lists its keys.
 nlohmann::json first_steps_summary(const nlohmann::json& record);
 
 }  // namespace volccd

@@ -14,7 +14,7 @@ ExperimentPlan plus_plan(const PlanContext& context);
 /// Tables of times, ratios, counts, and the speed-up of two threads.
 std::vector<TitledTable> plus_tables(const nlohmann::json& record);
 
-/// An object for each scene, motion model and number of threads; docs/reproducing.md lists its keys.
+/// An object for each scene, motion model and number of threads; docs/record.schema.json lists its keys.
 nlohmann::json plus_summary(const nlohmann::json& record);
 
 }  // namespace volccd

@@ -9,13 +9,13 @@ namespace volccd {
 ExperimentPlan ranks_plan(const PlanContext& context);
 
 /// One row for each scene, division, motion, number of ranks and round: ranks of one process, one after another
-/// (distributed::InProcessDetector), beside one detector for the whole mesh; docs/reproducing.md lists the columns.
+/// (distributed::InProcessDetector), beside one detector for the whole mesh; docs/record.schema.json lists the columns.
 /// Throws ConfigError if no scene is available, or if contacts of ranks are not those of the whole mesh.
 std::vector<nlohmann::json> ranks_rows(const PlanContext& context);
 
 std::vector<TitledTable> ranks_tables(const nlohmann::json& record);
 
-/// An object for each scene, division, motion and number of ranks; docs/reproducing.md lists its keys.
+/// An object for each scene, division, motion and number of ranks; docs/record.schema.json lists its keys.
 nlohmann::json ranks_summary(const nlohmann::json& record);
 
 }  // namespace volccd

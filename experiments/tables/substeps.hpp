@@ -8,14 +8,14 @@ namespace volccd {
 /// The scenes, for their files only (the plan has no windows), and the number of rounds.
 ExperimentPlan substeps_plan(const PlanContext& context);
 
-/// One row for each scene, number of substeps, motion and round; docs/reproducing.md lists the columns. Throws
+/// One row for each scene, number of substeps, motion and round; docs/record.schema.json lists the columns. Throws
 /// ConfigError if no scene is available, and Error if steps with lists find other contacts than fresh steps.
 std::vector<nlohmann::json> substeps_rows(const PlanContext& context);
 
 /// Tables of times, and of what the lists were used for.
 std::vector<TitledTable> substeps_tables(const nlohmann::json& record);
 
-/// An object for each scene and number of substeps; docs/reproducing.md lists its keys.
+/// An object for each scene and number of substeps; docs/record.schema.json lists its keys.
 nlohmann::json substeps_summary(const nlohmann::json& record);
 
 }  // namespace volccd

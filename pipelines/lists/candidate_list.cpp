@@ -42,7 +42,8 @@ bool CandidateList::build(const Pipeline& pipeline, const Step& step, Workspace&
   const Step ahead{.topology = step.topology,
                    .motion = prediction_.lines(),
                    .filter = step.filter,
-                   .separation = separation(step.separation, budget)};
+                   .separation = separation(step.separation, budget),
+                   .complete = step.complete};
   StepResult result;
   pipeline.run(ahead, workspace, executor, result, {.count_adjacent = false, .candidates = &tests_});
   refreshed_ = 0;

@@ -143,7 +143,8 @@ class RankDetector {
                 .separation = given.separation,
                 .filter = given.filter,
                 .skin = skin,
-                .max_imbalance = max_imbalance};
+                .max_imbalance = max_imbalance,
+                .lists = given.lists};
     });
     const py::gil_scoped_release without_gil;
     detector_.emplace(exchange_, stages, spec, config);

@@ -97,6 +97,15 @@ def run_rank():
     both("separation")
     detector.separation = 0.0
 
+    detector = Detector(comm, *part.mesh, **part.of_elements, settings=EXACT, separation=0.05, lists=(0.01, 10))
+    reused = 0
+    for i in range(20):
+        parts = [points + (moved - points) * t / 20 for t in (i, i + 1)]
+        result, _ = both(f"substep {i} with lists", *parts)
+        reused += result.statistics["reused_steps"]
+    assert reused > 5, reused
+    detector = Detector(comm, *part.mesh, **part.of_elements, settings=EXACT)
+
     keep = np.arange(len(cells)) % 5 != 3
     cells, objects = cells[keep], objects[keep]
     part = Part(comm, points, cells, objects)

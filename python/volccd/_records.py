@@ -10,7 +10,7 @@ from . import _core
 
 def read_record(path):
     """The record of an experiment (results/table1.json, ...) as it is: dict of experiment, schema, complete,
-    provenance, summary and rows (list of dict). docs/reproducing.md has the schema. InputError if it is none."""
+    provenance, summary and rows (list of dict). docs/record.schema.json has the schema. InputError if it is none."""
     path = os.fspath(path)
     try:
         with open(path, encoding="utf-8") as file:

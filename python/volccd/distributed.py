@@ -129,18 +129,19 @@ class Detector:
         How far ahead lists of elements are made, in longest sides of their boxes. Greater: fewer new lists, more copies.
     max_imbalance : float
         Space is divided anew if the slowest rank takes more than this many times the mean. inf: never.
-    pipeline, separation, threads, settings, pairs, exclude, edges :
+    pipeline, separation, threads, settings, pairs, exclude, edges, lists :
         As for `volccd.Detector`; the same on all ranks but for `threads`, of which a rank has 1 unless it asks for more.
     """
 
     @suggesting
     def __init__(self, comm, cells, vertices, owned=None, *, objects=None, ids=None, pipeline="VolCCD+", separation=0.0,
-                 threads=1, settings=(), pairs="all", exclude=(), edges="triangulated", skin=0.2, max_imbalance=1.2):
+                 threads=1, settings=(), pairs="all", exclude=(), edges="triangulated", lists="off", skin=0.2,
+                 max_imbalance=1.2):
         try:
             self._ranks = _Ranks(comm)
         except ImportError as error:
             raise _core.ConfigError(f"{error}: volccd.distributed needs mpi4py (Debian: python3-mpi4py)") from error
-        options = _on_all(self._ranks, lambda: _options(pipeline, settings, threads, separation, pairs, exclude))
+        options = _on_all(self._ranks, lambda: _options(pipeline, settings, threads, separation, pairs, exclude, lists))
         self._core = _core.RankDetector(self._ranks, options, skin, max_imbalance)
         self.set_mesh(cells, vertices, owned, objects=objects, ids=ids, edges=edges)
 

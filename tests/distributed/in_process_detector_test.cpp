@@ -171,6 +171,32 @@ TEST(InProcessDetector, MotionsOfSeveralSizes) {
   }
 }
 
+/// While a list holds, features pass from region to region, and ranks get other pieces and other regions.
+TEST(InProcessDetector, CandidateListsOfSubsteps) {
+  constexpr int kSubsteps = 40;
+  const Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 3, 2, 2), 6, 0.05);
+  for (const PipelineSpec& spec : specs())
+    for (const int ranks : {1, 3, 7}) {
+      SCOPED_TRACE(spec.name + ", ranks: " + std::to_string(ranks));
+      StepRunner runner(Pipeline(registry(), spec), {.separation = 0.02});
+      InProcessDetector detector(
+          ranks, registry(), spec,
+          {.separation = 0.02, .lists = {.use = ListConfig::Use::always, .budget = 0.01, .steps = 10}});
+      Motion part;
+      std::uint64_t contacts = 0, reused = 0;
+      for (int i = 0; i < kSubsteps; ++i) {
+        part.set_part(scene.motion, static_cast<double>(i) / kSubsteps, static_cast<double>(i + 1) / kSubsteps);
+        expect_same(runner.run(scene.topology, part), detector.step(scene.topology, part));
+        const Statistics& statistics = detector.result().statistics;
+        contacts += statistics.contacts;
+        reused += statistics.reused_steps;
+        EXPECT_LE(statistics.list_steps + statistics.refreshed_steps + statistics.reused_steps, 1u);
+      }
+      EXPECT_GT(contacts, 1000u);
+      EXPECT_GT(reused, ranks == 1 ? 20u : 5u);
+    }
+}
+
 TEST(InProcessDetector, ShellNeighboursAreLeftOut) {
   const Scene scene = cases::colliding("block", block(ElementType::tetrahedron, 3, 2, 2), 6, 0.3);
   for (const PipelineSpec& spec : specs()) {
@@ -211,6 +237,8 @@ TEST(InProcessDetector, RefusesWhatItCannotDo) {
   const PipelineSpec& spec = registry().pipeline("VolCCD+");
   EXPECT_THROW(InProcessDetector(0, registry(), spec), ConfigError);
   EXPECT_THROW(InProcessDetector(2, registry(), spec, {.separation = -1}), RankError);
+  EXPECT_THROW(InProcessDetector(2, registry(), spec, {.lists = {.use = ListConfig::Use::always, .budget = -1}}),
+               RankError);
   const Scene scene = cases::colliding("cell", block(ElementType::hexahedron, 1, 1, 1), 1, 0.1);
   InProcessDetector detector(2, registry(), spec);
   EXPECT_THROW(detector.step(scene.topology, scene.motion, {.ends = true}), ConfigError);

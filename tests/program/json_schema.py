@@ -1,4 +1,4 @@
-"""A validator for the part of JSON Schema that docs/json_output.md uses. Other parts of JSON Schema are errors."""
+"""A validator for the part of JSON Schema that docs/output.schema.json uses. Other parts of JSON Schema are errors."""
 
 KNOWN = {"type", "properties", "required", "additionalProperties", "items", "enum", "const", "minimum", "anyOf", "$ref",
          "description"}

@@ -6,17 +6,28 @@ import shutil
 import subprocess
 import unittest
 
+from json_schema import problems
 from program_support import EXAMPLE, SOURCE, run, Interruption, ProgramTest
+
+with open(os.path.join(SOURCE, "docs/record.schema.json"), encoding="utf-8") as schema_file:
+    SCHEMA = json.load(schema_file)["$defs"]
 
 
 class Experiments(ProgramTest):
+    def follows_schema(self, path):
+        """Returns the record."""
+        with open(path, encoding="utf-8") as file:
+            record = json.load(file)
+        some = dict(record, rows=record["rows"][:100] + record["rows"][-100:])
+        self.assertEqual(list(problems(some, SCHEMA[record["experiment"]], SCHEMA)), [], path)
+        return record
+
     def test_experiment_falls_back_to_the_builtin_sequence(self):
         text = self.good("experiment", "run", "projectile", "--quick", "-o", self.path("results"),
                          env={"VOLCCD_DATA": self.folder.name})
         self.assertIn("built-in sequence", text)
         self.assertIn("0.69 %", text)
-        with open(self.path("results/projectile.json"), encoding="utf-8") as file:
-            record = json.load(file)
+        record = self.follows_schema(self.path("results/projectile.json"))
         self.assertEqual({row["pipeline"] for row in record["rows"]}, {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"})
         self.assertEqual({row["motion"] for row in record["rows"]}, set(range(8)))
         self.assertEqual({row["scene"] for row in record["rows"]}, {"builtin"})
@@ -122,8 +133,7 @@ class Experiments(ProgramTest):
         done = run(*arguments, program=EXAMPLE, env=env)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, r"\nSpheres +\S+ ms +")
-        with open(os.path.join(self.path("own"), "projectile.json")) as file:
-            record = json.load(file)
+        record = self.follows_schema(os.path.join(self.path("own"), "projectile.json"))
         self.assertEqual({row["pipeline"] for row in record["rows"]} - {"NavCCD", "HashCCD", "VolCCD"},
                          {"VolCCD+", "Spheres", "Spheres+CSAT"})
         self.bad(*arguments[:3], "--pipelines", "Nothing", "-o", self.path("own"), says="Spheres+CSAT", program=EXAMPLE)
@@ -136,6 +146,7 @@ class Experiments(ProgramTest):
                 with open(os.path.join(results, name + ".txt"), encoding="utf-8") as file:
                     expected = file.read()
                 self.assertEqual(self.good("experiment", "table", name, "--results", results), expected, name)
+                self.follows_schema(os.path.join(results, name + ".json"))
                 compared += 1
         self.assertGreater(compared, 0)
 

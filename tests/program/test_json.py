@@ -1,4 +1,4 @@
-"""--json: the output of every command follows its schema in docs/json_output.md."""
+"""--json: the output of every command follows its schema in docs/output.schema.json."""
 
 import json
 import os
@@ -9,11 +9,15 @@ import unittest
 from json_schema import problems
 from program_support import SOURCE, Interruption, ProgramTest, run
 
-with open(os.path.join(SOURCE, "docs/json_output.md"), encoding="utf-8") as file:
-    PAGE = file.read()
-DEFINITIONS = json.loads(re.search(r"^## Common definitions\n.*?```json\n(.*?)```", PAGE, re.MULTILINE | re.DOTALL)[1])
-SECTIONS = {name: (examples.split("\n"), json.loads(schema)) for name, examples, schema in re.findall(
-    r"^## ([a-z ]+)\n\n((?:    volccd [^\n]*\n)+)\n```json\n(.*?)```", PAGE, re.MULTILINE | re.DOTALL)}
+with open(os.path.join(SOURCE, "docs/output.schema.json"), encoding="utf-8") as file:
+    SCHEMA = json.load(file)
+DEFINITIONS = SCHEMA["$defs"]
+COMMANDS = [one["$ref"].removeprefix("#/$defs/").replace("-", " ") for one in SCHEMA["anyOf"]]
+
+
+def examples():
+    with open(os.path.join(SOURCE, "docs/json_output.md"), encoding="utf-8") as page:
+        return re.findall(r"^    (volccd .*)$", page.read(), re.MULTILINE)
 
 
 def commands_with_json(*path):
@@ -37,7 +41,7 @@ class Json(ProgramTest):
 
     def valid(self, text, name):
         document = json.loads(text)
-        self.assertEqual(list(problems(document, SECTIONS[name][1], DEFINITIONS)), [], name)
+        self.assertEqual(list(problems(document, DEFINITIONS[name.replace(" ", "-")], DEFINITIONS)), [], name)
         return document
 
     def test_the_validator_finds_what_is_wrong(self):
@@ -52,14 +56,16 @@ class Json(ProgramTest):
             list(problems(1, {"maximum": 0}, {}))
 
     def test_every_command_with_json_has_a_schema(self):
-        self.assertEqual(sorted(SECTIONS), sorted(commands_with_json()))
+        self.assertEqual(sorted(COMMANDS), sorted(commands_with_json()))
 
     def test_examples_follow_their_schemas(self):
-        for name, (examples, _) in SECTIONS.items():
-            for example in filter(None, examples):
-                words = shlex.split(example.replace("run.vtkhdf", self.sequence)
-                                    .replace("RESULTS", self.path("results")))[1:]
-                self.assertEqual(self.valid(self.good(*words, env=self.no_data), name)["command"], name)
+        seen = []
+        for example in examples():
+            words = shlex.split(example.replace("run.vtkhdf", self.sequence).replace("RESULTS", self.path("results")))[1:]
+            text = self.good(*words, env=self.no_data)
+            seen.append(json.loads(text)["command"])
+            self.valid(text, seen[-1])
+        self.assertEqual(sorted(set(seen)), sorted(COMMANDS))
 
     def test_other_forms_follow_them_too(self):
         for arguments in (["--first"], ["--overlaps", os.devnull], ["--pipeline", "NavCCD", "--steps", "0"],

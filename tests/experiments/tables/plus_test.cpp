@@ -1,8 +1,6 @@
 // The experiment `plus`: the boundary as triangle shells, entrants that run on it, and the contents of record and
 // summary.
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <tuple>
 
@@ -14,6 +12,7 @@
 #include <volccd/mesh/shells.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
+#include "experiments/described_keys.hpp"
 #include "experiments/harness/harness_fixture.hpp"
 #include "support/one_step.hpp"
 
@@ -227,10 +226,7 @@ TEST_F(Plus, SummaryHasTheDocumentedKeysAndRatios) {
                 line.at("volccd_plus_ms").get<double>(), 1e-9);
     EXPECT_EQ(line.contains("speedup_threads"), line.at("threads") != 1);
   }
-  std::ifstream page(VOLCCD_SOURCE_DIR "/docs/reproducing.md");
-  const std::string text((std::istreambuf_iterator<char>(page)), std::istreambuf_iterator<char>());
-  for (const auto& [key, value] : summary.back().items())
-    EXPECT_NE(text.find("`" + key + "`"), std::string::npos) << key << " is not in docs/reproducing.md";
+  expect_described(summary.back(), "plus_summary");
   const std::string tables = render(plus_tables(record), TableFormat::text);
   EXPECT_NE(tables.find("volume / surface"), std::string::npos);
 }

@@ -1,6 +1,4 @@
 // The experiment `ranks` on a small scene: its rows, and tables and summary of a record with known figures.
-#include <fstream>
-#include <iterator>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -9,6 +7,7 @@
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/tables/ranks.hpp>
 
+#include "experiments/described_keys.hpp"
 #include "support/all_stages.hpp"
 #include "support/scratch_folder.hpp"
 
@@ -89,10 +88,7 @@ TEST_F(RanksExperiment, TablesAndSummary) {
   const auto times = ranks_tables(record).at(0).table.rows().at(1);
   EXPECT_EQ(times.at(4), "100");
   EXPECT_EQ(times.at(6), "10x");
-  std::ifstream page(VOLCCD_SOURCE_DIR "/docs/reproducing.md");
-  const std::string text((std::istreambuf_iterator<char>(page)), std::istreambuf_iterator<char>());
-  for (const auto& [key, value] : line.items())
-    EXPECT_NE(text.find("`" + key + "`"), std::string::npos) << key << " is not in docs/reproducing.md";
+  expect_described(line, "ranks_summary");
 }
 
 }  // namespace
