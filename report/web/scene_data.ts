@@ -1,4 +1,4 @@
-// Loads the script of a scene and decodes it (docs/report.md has the layout).
+// Loads the script of a scene and decodes it (report/scene_export.hpp has the layout).
 import type {SceneEntry, SceneHeader} from "./types";
 
 export class SceneData {

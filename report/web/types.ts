@@ -1,4 +1,4 @@
-// Contents of data/report.js and of the header of a scene, as docs/report.md describes them.
+// Contents of data/report.js and of the header of a scene, as report/scene_export.hpp describes them.
 
 export interface Machine {
   version?: string;

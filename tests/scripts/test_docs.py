@@ -64,8 +64,8 @@ class Docs(unittest.TestCase):
     def test_listings_of_into_a_solver_are_parts_of_the_example(self):
         """Whether the text consists of consecutive whole lines of the files, perhaps with less indentation."""
         page = (ROOT / "docs/into_a_solver.md").read_text()
-        for language, name, minimum in (("cmake", "solver/CMakeLists.txt", 1), ("cpp", "solver/solver.cpp", 7),
-                                      ("python", "python/solver.py", 5), ("c", "c/bouncing_cube.c", 2),
+        for language, name, minimum in (("cmake", "solver/CMakeLists.txt", 1), ("cpp", "solver/solver.cpp", 6),
+                                      ("python", "python/solver.py", 1), ("c", "c/bouncing_cube.c", 2),
                                       ("fortran", "fortran/bouncing_cube.f90", 2)):
             source = (ROOT / "examples" / name).read_text()
             listings = re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
