@@ -133,10 +133,10 @@ Detector::Detector(Exchange& exchange, const Registry& registry, const PipelineS
   State& s = *state_;
   run_on_all(exchange, "options", [&] {
     check_config(config);
-    s.runner.emplace(make_pipeline(registry, spec, s.region), RunConfig{.executor = &s.executor,
-                                                                        .separation = config.separation,
-                                                                        .filter = config.filter,
-                                                                        .lists = config.lists});
+    s.runner.emplace(
+        make_pipeline(registry, spec, s.region),
+        RunConfig{
+            .executor = &s.executor, .separation = config.separation, .filter = config.filter, .lists = config.lists});
   });
   require_same(exchange, "options", options_text(s.runner->pipeline(), config));
 }
