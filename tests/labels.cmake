@@ -10,7 +10,8 @@ set(threads "Threads")
 set(kernels "^((BroadPhase|ElementCulling|FeatureFilter|NarrowPhase)Promises|ContactHashes)$")
 string(CONCAT slow_sanitized
   "^(Harness|SameContacts|QueryMotion|Baselines|RanksExperiment|SubstepsExperiment|ScenesWithTools|Weld|SimulatedSolids)$"
-  "|^(Tetrahedra|DeformOnSharedData|Verify|ReferenceContacts|QueryComparison|PeersExperiment|ThreadsStageObserver)$")
+  "|^(Tetrahedra|DeformOnSharedData|Verify|ReferenceContacts|QueryComparison|PeersExperiment|ThreadsStageObserver)$"
+  "|^InProcessDetector$")
 # Single tests, by suite and name.
 string(CONCAT slow_sanitized_tests
   "^TopologyLoop\\.CutBlock|^OutOfMemory\\.AnEditThatBringsLargerElements"

@@ -85,13 +85,14 @@ void OuterParts::choose_vertices(const Step& step, const VertexStars& stars) {
   sort_unique(chosen_);
 }
 
-/// Marks the vertices with suspect stars, and sets vertices_ to those that became marked or unmarked.
-void OuterParts::mark_vertices(const Step& step, const VertexStars& stars) {
+/// Marks the vertices with suspect stars, and sets vertices_ to those that became marked or unmarked. After an edit, which
+/// changes parts in any case, no other vertices remain marked.
+void OuterParts::mark_vertices(const Step& step, const VertexStars& stars, bool edited) {
   const std::vector<Index>& suspects = stars.suspects();
   is_marked_.resize(step.mesh().vertex_count(), 0);
   vertices_.clear();
   std::set_difference(suspects.begin(), suspects.end(), marked_.begin(), marked_.end(), std::back_inserter(vertices_));
-  if (marked_.size() + vertices_.size() > 2 * suspects.size() + kMaxFormerSuspects) {
+  if (edited || marked_.size() + vertices_.size() > 2 * suspects.size() + kMaxFormerSuspects) {
     vertices_.clear();
     std::set_symmetric_difference(suspects.begin(), suspects.end(), marked_.begin(), marked_.end(),
                                   std::back_inserter(vertices_));
@@ -120,7 +121,7 @@ void OuterParts::update(const Step& step, const VertexStars& stars, Executor& ex
   const TopologyDelta::Extent changed = delta_.sync(step.topology);
   const bool everything = changed == TopologyDelta::Extent::everything;
   if (everything) is_marked_.clear(), marked_.clear();
-  mark_vertices(step, stars);
+  mark_vertices(step, stars, changed != TopologyDelta::Extent::none);
   if (everything) {
     slots_.resize(mesh.element_slots());
     std::iota(slots_.begin(), slots_.end(), Index{0});

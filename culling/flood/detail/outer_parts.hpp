@@ -33,7 +33,7 @@ class OuterParts {
   }
 
  private:
-  void mark_vertices(const Step& step, const VertexStars& stars);
+  void mark_vertices(const Step& step, const VertexStars& stars, bool edited);
   void find_changed_slots(const Step& step);
   void find_components(const Step& step);
   void choose_vertices(const Step& step, const VertexStars& stars);
