@@ -20,8 +20,9 @@ namespace volccd {
 /// apart; their weights in the vertices are at least 0 and add up to 1, so that under P, at the time of P that belongs
 /// to t, each of the two points is at most b from where it is under q. (docs/candidate_lists.md)
 ///
-/// The tests are those that all feature filters of the pipeline keep, but for those that leave tests to others. Removed features leave the list. Vertices of
-/// added features get new lines in P, and their tests are found anew, if they are few: the list is then *refreshed*.
+/// The tests are those that all feature filters of the pipeline keep, but for those that leave tests to others. Removed
+/// features leave the list. Vertices of added features get new lines in P, and their tests are found anew, if they are
+/// few: the list is then *refreshed*.
 /// Not thread-safe.
 class CandidateList {
  public:

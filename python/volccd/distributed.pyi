@@ -1,5 +1,5 @@
 import dataclasses
-from typing import Any, Dict, Iterable, Optional
+from typing import Any, Dict, Iterable, Optional, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,8 @@ class Detector:
     def __init__(self, comm: Any, cells: _Cells, vertices: npt.ArrayLike, owned: Optional[int] = ..., *,
                  objects: Optional[npt.ArrayLike] = ..., ids: Optional[npt.ArrayLike] = ..., pipeline: str = ...,
                  separation: float = ..., threads: int = ..., settings: _Settings = ..., pairs: _Pairs = ...,
-                 exclude: Iterable[tuple[int, int]] = ..., edges: _Edges = ..., skin: float = ...,
+                 exclude: Iterable[tuple[int, int]] = ..., edges: _Edges = ...,
+                 lists: Union[str, Tuple[float, float]] = ..., skin: float = ...,
                  max_imbalance: float = ...) -> None: ...
     def set_mesh(self, cells: _Cells, vertices: npt.ArrayLike, owned: Optional[int] = ..., *,
                  objects: Optional[npt.ArrayLike] = ..., ids: Optional[npt.ArrayLike] = ..., edges: _Edges = ...) -> None: ...
