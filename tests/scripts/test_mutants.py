@@ -2,6 +2,7 @@
 """scripts/mutants: its list agrees with the sources and the tests, and changes are written where they belong."""
 
 import contextlib
+import dataclasses
 import importlib.machinery
 import importlib.util
 import io
@@ -34,6 +35,11 @@ def list_of(text):
 class List(unittest.TestCase):
     def test_original_texts_are_in_the_sources(self):
         mutants.check_places(ROOT, mutants.read_list(mutants.LIST))
+
+    def test_functions_are_in_their_files(self):
+        one = next(m for m in mutants.read_list(mutants.LIST) if m.function)
+        with self.assertRaisesRegex(mutants.Failure, "has no function Gone::gone"):
+            mutants.check_places(ROOT, [dataclasses.replace(one, function="Gone::gone")])
 
     def test_each_entry_names_suites_that_there_are(self):
         suites = {}

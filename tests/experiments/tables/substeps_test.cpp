@@ -12,6 +12,7 @@
 #include <volccd/experiments/harness/run.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 
+#include "experiments/described_keys.hpp"
 #include "support/scratch_folder.hpp"
 
 namespace volccd::test {
@@ -98,6 +99,7 @@ TEST_F(SubstepsExperiment, RowsTablesAndSummary) {
   EXPECT_EQ(calls, (1u + 10 + 100) * 3 * 3 * 2);
   double reused = 0;
   for (const json& row : record.at("rows")) {
+    expect_described(row, "substeps_row");
     EXPECT_EQ(row.at("scene"), "octopi");
     EXPECT_EQ(row.at("threads"), 1);
     EXPECT_EQ(row.at("fresh_substeps"), row.at("substeps"));
@@ -117,6 +119,7 @@ TEST_F(SubstepsExperiment, RowsTablesAndSummary) {
   ASSERT_EQ(summary.size(), std::size(kSubsteps));
   for (std::size_t i = 0; i < summary.size(); ++i) {
     const json& one = summary[i];
+    expect_described(one, "substeps_summary");
     EXPECT_EQ(one.at("scene"), "octopi");
     EXPECT_EQ(one.at("substeps"), kSubsteps[i]);
     EXPECT_EQ(one.at("motions"), 2);
