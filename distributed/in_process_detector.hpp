@@ -28,8 +28,8 @@ class InProcessDetector {
 
   /// The step of all ranks: `motion` has the control points of all vertices of the topology. Slots in the result are
   /// those of the topology. Counts and times in its statistics are the sums of all ranks; `steps` is 1, and
-  /// the step counts as fresh if it was fresh on any rank, otherwise as one that made, refreshed or used a list, in this
-  /// order. If the topology is another one than before, or has been edited, the ranks receive all of it. If shell
+  /// the step counts as fresh if it was fresh on any rank, otherwise as one that made, refreshed or used a list, in
+  /// this order. If the topology is another one than before, or has been edited, the ranks receive all of it. If shell
   /// neighbours are to be left out, the vertices of a shell vertex have the ids 3 i, 3 i + 1 and 3 i + 2.
   ///
   /// Throws ConfigError if the request has ends, tests, candidates or an observer, InputError for a motion of another
