@@ -111,19 +111,18 @@ void add_own(const PlanContext& context, std::vector<Entrant>& entrants) {
 TitledTable table_of(const Rows& rows, const std::string& title) {
   TextTable table({"pipeline", "settings", "ms a step", "relative", "pairs", "survive", "tests", "contacts"}, 2);
   double best = 0;
-  for (const json& pipeline : rows.values("pipeline"))
-    for (const json& variant : rows.with("pipeline", pipeline).values("variant")) {
-      const double ms = rows.with("pipeline", pipeline).with("variant", variant).median_ms(kStepTime);
-      best = best > 0 ? std::min(best, ms) : ms;
-    }
-  for (const json& pipeline : rows.values("pipeline"))
-    for (const json& variant : rows.with("pipeline", pipeline).values("variant")) {
-      const Rows of = rows.with("pipeline", pipeline).with("variant", variant);
-      const auto count = [&](const char* column) { return grouped(static_cast<std::uint64_t>(of.sum(column))); };
-      table.add({pipeline, variant.get<std::string>().empty() ? "-" : variant, number_text(of.median_ms(kStepTime)),
-                 number_text(of.median_ms(kStepTime) / best), count("element_pairs"), count("surviving_pairs"),
-                 grouped(static_cast<std::uint64_t>(of.tests())), count("contacts")});
-    }
+  const std::vector<Rows> entrants = rows.groups({"pipeline", "variant"});
+  for (const Rows& of : entrants) {
+    const double ms = of.median_ms(kStepTime);
+    best = best > 0 ? std::min(best, ms) : ms;
+  }
+  for (const Rows& of : entrants) {
+    const auto count = [&](const char* column) { return grouped(static_cast<std::uint64_t>(of.sum(column))); };
+    const std::string variant = of.value("variant");
+    table.add({of.value("pipeline"), variant.empty() ? "-" : variant, number_text(of.median_ms(kStepTime)),
+               number_text(of.median_ms(kStepTime) / best), count("element_pairs"), count("surviving_pairs"),
+               grouped(static_cast<std::uint64_t>(of.tests())), count("contacts")});
+  }
   return {title, table, "ms: median over steps; relative: to the fastest; counts: sums over steps\n"};
 }
 
@@ -158,17 +157,14 @@ ExperimentPlan ablation_plan(const PlanContext& context) {
 std::vector<TitledTable> ablation_tables(const json& record) {
   const Rows rows(record);
   std::vector<TitledTable> tables;
-  for (const json& scene : rows.values("scene"))
-    for (const json& table : rows.values("table")) {
-      const Rows of = rows.with("scene", scene).with("table", table);
-      if (of.empty()) continue;
-      const bool coplanarity = table == kCoplanarityTable;
-      const std::string title =
-          fmt::format("{}: {}, {} elements, {} steps", scene.get<std::string>(),
-                      coplanarity ? "coplanarity against CSAT (Section 7.2)" : table.get<std::string>(),
-                      grouped(static_cast<std::uint64_t>(of.median("elements"))), of.steps());
-      tables.push_back(coplanarity ? coplanarity_table(of, title) : table_of(of, title));
-    }
+  for (const Rows& of : rows.groups({"scene", "table"})) {
+    const std::string table = of.value("table");
+    const bool coplanarity = table == kCoplanarityTable;
+    const std::string title = fmt::format("{}: {}, {} elements, {} steps", of.value("scene").get<std::string>(),
+                                          coplanarity ? "coplanarity against CSAT (Section 7.2)" : table,
+                                          grouped(static_cast<std::uint64_t>(of.median("elements"))), of.steps());
+    tables.push_back(coplanarity ? coplanarity_table(of, title) : table_of(of, title));
+  }
   return tables;
 }
 

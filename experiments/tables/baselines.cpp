@@ -93,7 +93,7 @@ struct BaselineRows {
 
 std::vector<BaselineRows> scenes_of(const Rows& rows) {
   std::vector<BaselineRows> scenes;
-  for (const json& scene : rows.values("scene")) scenes.push_back({scene, rows.with("scene", scene)});
+  for (const Rows& some : rows.groups({"scene"})) scenes.push_back({some.value("scene"), some});
   return scenes;
 }
 

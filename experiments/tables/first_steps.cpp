@@ -89,7 +89,7 @@ struct SceneRows {
 
 std::vector<SceneRows> by_scene(const Rows& rows) {
   std::vector<SceneRows> groups;
-  for (const json& scene : rows.values("scene")) groups.push_back({scene, rows.with("scene", scene)});
+  for (const Rows& some : rows.groups({"scene"})) groups.push_back({some.value("scene"), some});
   return groups;
 }
 

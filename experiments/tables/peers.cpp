@@ -254,16 +254,13 @@ struct Times {
 /// One for each contender of a scene, in the order of the rows.
 std::vector<Times> times_of(const Rows& rows) {
   std::vector<Times> result;
-  for (const json& broad_phase : rows.values("broadphase"))
-    for (const json& variant : rows.with("broadphase", broad_phase).values("variant")) {
-      const Rows of = rows.with("broadphase", broad_phase).with("variant", variant);
-      const std::string text = variant.get<std::string>();
-      const auto mean = [&](const std::vector<std::string>& columns) { return of.mean_ms(columns) / 1e3; };
-      result.push_back({broad_phase.get<std::string>() + (text.empty() ? "" : " ") + text,
-                        of.front().at("peer").get<bool>(), mean({"build_ms"}), mean({"query_ms"}),
-                        mean({"build_ms", "query_ms"}), static_cast<std::uint64_t>(of.sum("pairs")),
-                        of.median("bytes")});
-    }
+  for (const Rows& of : rows.groups({"broadphase", "variant"})) {
+    const std::string text = of.value("variant");
+    const auto mean = [&](const std::vector<std::string>& columns) { return of.mean_ms(columns) / 1e3; };
+    result.push_back({of.value("broadphase").get<std::string>() + (text.empty() ? "" : " ") + text,
+                      of.value("peer").get<bool>(), mean({"build_ms"}), mean({"query_ms"}),
+                      mean({"build_ms", "query_ms"}), static_cast<std::uint64_t>(of.sum("pairs")), of.median("bytes")});
+  }
   return result;
 }
 
@@ -314,15 +311,14 @@ std::vector<TitledTable> peers_tables(const json& record) {
   TextTable table({"scene", "broad phase", "elements", "update, ms", "query, ms", "both, ms", "pairs",
                    "million pairs/s", "memory", "fastest peer / this"},
                   2);
-  for (const json& scene : rows.values("scene")) {
-    const Rows of = rows.with("scene", scene);
+  for (const Rows& of : rows.groups({"scene"})) {
     const std::vector<Times> times = times_of(of);
     const std::optional<double> peer = fastest_peer(times);
     const double steps = static_cast<double>(of.steps());
     table.rule();
     for (const Times& one : times) {
       const double pairs = static_cast<double>(one.pairs) / steps;
-      table.add({scene.get<std::string>() + (of.front().at("volume").get<bool>() ? "" : " (surface)"), one.name,
+      table.add({of.value("scene").get<std::string>() + (of.value("volume").get<bool>() ? "" : " (surface)"), one.name,
                  grouped(static_cast<std::uint64_t>(of.median("elements"))), number_text(one.build),
                  number_text(one.query), number_text(one.both), grouped(static_cast<std::uint64_t>(pairs)),
                  number_text(pairs / one.both / 1e3), memory(static_cast<std::size_t>(one.bytes)),
@@ -339,13 +335,12 @@ std::vector<TitledTable> peers_tables(const json& record) {
 json peers_summary(const json& record) {
   const Rows rows(record);
   json summary = json::array();
-  for (const json& scene : rows.values("scene")) {
-    const Rows of = rows.with("scene", scene);
+  for (const Rows& of : rows.groups({"scene"})) {
     const std::vector<Times> times = times_of(of);
     const std::optional<double> peer = fastest_peer(times);
     for (const Times& one : times)
-      summary.push_back({{"scene", scene},
-                         {"volume", of.front().at("volume")},
+      summary.push_back({{"scene", of.value("scene")},
+                         {"volume", of.value("volume")},
                          {"broadphase", one.name},
                          {"peer", one.peer},
                          {"build_ms", one.build},

@@ -18,16 +18,6 @@ std::string label(const json& row) {
   return row.at("pipeline").get<std::string>() + (variant.empty() ? "" : " " + variant);
 }
 
-/// Rows of each entrant, in their order.
-std::vector<Rows> entrants_of(const Rows& rows) {
-  std::vector<Rows> result;
-  for (const json& pipeline : rows.values("pipeline")) {
-    const Rows of_pipeline = rows.with("pipeline", pipeline);
-    for (const json& variant : of_pipeline.values("variant")) result.push_back(of_pipeline.with("variant", variant));
-  }
-  return result;
-}
-
 /// "3 + 0.99329": the first step with a contact, and its time within it.
 std::string earliest(const Rows& rows) {
   for (const json& step : rows.values("motion"))
@@ -47,7 +37,7 @@ bool same_contacts(const Rows& rows, const Rows& reference) {
 std::string count(double value) { return grouped(static_cast<std::uint64_t>(value)); }
 
 TitledTable comparison(const Rows& rows, const std::string& scene) {
-  const std::vector<Rows> entrants = entrants_of(rows);
+  const std::vector<Rows> entrants = rows.groups({"pipeline", "variant"});
   const Rows &nav = rows.with("pipeline", "NavCCD"), &hash = rows.with("pipeline", "HashCCD");
   const auto over = [](const Rows& baseline, const Rows& of) {
     return baseline.empty() ? std::string("-") : ratio_text(baseline.median_ms(kStepTime) / of.median_ms(kStepTime));
@@ -78,7 +68,7 @@ TitledTable stage_shares(const Rows& rows, const std::string& scene) {
   for (const auto& [role, title] : roles) header.push_back(title);
   header.push_back("rest");
   TextTable table(header);
-  for (const Rows& of : entrants_of(rows)) {
+  for (const Rows& of : rows.groups({"pipeline", "variant"})) {
     const double whole = std::max(of.sum("seconds") * of.front().at("threads").get<double>(), 1e-300);
     double prepare = 0, known = 0;
     std::vector<std::string> cells;
@@ -123,8 +113,8 @@ ExperimentPlan projectile_plan(const PlanContext& context) {
 std::vector<TitledTable> pipeline_tables(const json& record) {
   const Rows rows(record);
   std::vector<TitledTable> tables;
-  for (const json& scene : rows.values("scene")) {
-    const Rows of = rows.with("scene", scene);
+  for (const Rows& of : rows.groups({"scene"})) {
+    const std::string scene = of.value("scene");
     tables.push_back(comparison(of, scene));
     tables.push_back(stage_shares(of, scene));
   }

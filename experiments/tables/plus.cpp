@@ -62,11 +62,8 @@ struct Group {
 
 std::vector<Group> groups_of(const Rows& rows) {
   std::vector<Group> groups;
-  for (const json& table : rows.values("table"))
-    for (const json& motion_model : rows.with("table", table).values("motion_model"))
-      for (const json& scene : rows.with("table", table).with("motion_model", motion_model).values("scene"))
-        groups.push_back({scene, motion_model, table,
-                          rows.with("table", table).with("motion_model", motion_model).with("scene", scene)});
+  for (const Rows& some : rows.groups({"table", "motion_model", "scene"}))
+    groups.push_back({some.value("scene"), some.value("motion_model"), some.value("table"), some});
   return groups;
 }
 

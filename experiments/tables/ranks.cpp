@@ -200,14 +200,7 @@ struct RankLine {
 
 template <class Visitor>
 void for_each_rank_line(const Rows& rows, Visitor&& visit) {
-  for (const json& motion : rows.values("case"))
-    for (const json& scene : rows.values("scene"))
-      for (const json& divisions : rows.with("scene", scene).values("divisions"))
-        for (const json& ranks : rows.with("scene", scene).with("divisions", divisions).values("ranks"))
-          if (const Rows some =
-                  rows.with("case", motion).with("scene", scene).with("divisions", divisions).with("ranks", ranks);
-              !some.empty())
-            visit(RankLine{some});
+  for (const Rows& some : rows.groups({"case", "scene", "divisions", "ranks"})) visit(RankLine{some});
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -52,6 +53,27 @@ std::vector<json> Rows::values(const std::string& column) const {
       result.push_back(value);
   return result;
 }
+
+std::vector<Rows> Rows::groups(const std::vector<std::string>& columns) const {
+  std::vector<Rows> groups = {*this};
+  for (const std::string& column : columns) {
+    std::vector<Rows> finer;
+    for (const Rows& group : groups) {
+      const auto begin = static_cast<std::ptrdiff_t>(finer.size());
+      for (const json* row : group.rows_) {
+        const json& value = at(*row, column);
+        auto place = std::find_if(finer.begin() + begin, finer.end(),
+                                  [&](const Rows& listed) { return listed.value(column) == value; });
+        if (place == finer.end()) place = finer.insert(place, Rows());
+        place->rows_.push_back(row);
+      }
+    }
+    groups = std::move(finer);
+  }
+  return groups;
+}
+
+const json& Rows::value(const std::string& column) const { return at(front(), column); }
 
 std::map<int, std::vector<double>> Rows::by_round(const std::vector<std::string>& columns) const {
   std::map<int, std::vector<double>> rounds;

@@ -27,6 +27,11 @@ class Rows {
   Rows with_any(const std::string& column, const std::vector<nlohmann::json>& values) const;
   /// The distinct values of a column, in the order of the rows.
   std::vector<nlohmann::json> values(const std::string& column) const;
+  /// The rows of each combination of values that occurs. The order is that of loops over values(), the first column
+  /// outermost.
+  std::vector<Rows> groups(const std::vector<std::string>& columns) const;
+  /// The value of a column in the first row.
+  const nlohmann::json& value(const std::string& column) const;
 
   /// For each step, the sum of the columns in each round.
   std::map<int, std::vector<double>> by_round(const std::vector<std::string>& columns) const;

@@ -62,10 +62,8 @@ Fit fit(const std::vector<std::pair<double, double>>& points) {
 /// (x, y) of all variants of a pipeline's rows: medians over steps.
 std::vector<std::pair<double, double>> curve(const Rows& rows, const std::string& x, const std::string& y) {
   std::vector<std::pair<double, double>> points;
-  for (const json& variant : rows.values("variant")) {
-    const Rows of = rows.with("variant", variant);
+  for (const Rows& of : rows.groups({"variant"}))
     points.emplace_back(of.median(x), y == "tests" ? of.tests() / static_cast<double>(of.steps()) : of.median(y));
-  }
   return points;
 }
 
@@ -73,12 +71,8 @@ const char* x_of(const std::string& table) { return table == "motion" ? "moved_e
 
 template <class Visitor>
 void for_each_curve(const Rows& rows, Visitor&& visit) {
-  for (const json& table : rows.values("table"))
-    for (const json& scene : rows.with("table", table).values("scene")) {
-      const Rows of_scene = rows.with("table", table).with("scene", scene);
-      for (const json& pipeline : of_scene.values("pipeline"))
-        visit(table, scene, pipeline, of_scene.with("pipeline", pipeline));
-    }
+  for (const Rows& of : rows.groups({"table", "scene", "pipeline"}))
+    visit(of.value("table"), of.value("scene"), of.value("pipeline"), of);
 }
 
 std::string exponent_text(const Fit& f) {
@@ -126,8 +120,7 @@ std::vector<TitledTable> scaling_tables(const json& record) {
       {"table", "scene", "pipeline", "elements", "moved, edges", "ms a step", "workspace", "tests", "contacts"});
   TextTable exponents({"against", "scene", "pipeline", "time", "memory", "tests"});
   for_each_curve(rows, [&](const json& table, const json& scene, const json& pipeline, const Rows& of) {
-    for (const json& variant : of.values("variant")) {
-      const Rows at = of.with("variant", variant);
+    for (const Rows& at : of.groups({"variant"})) {
       points.add({table, scene, pipeline, grouped(static_cast<std::uint64_t>(at.median("elements"))),
                   fmt::format("{:.2f}", at.median("moved_edges")), number_text(at.median_ms(kStepTime)),
                   memory(static_cast<std::size_t>(at.median("workspace_bytes"))),

@@ -172,7 +172,7 @@ struct Spread {
 template <class Value>
 Spread over_rounds(const Rows& rows, Value&& value) {
   std::vector<double> values;
-  for (const json& round : rows.values("round")) values.push_back(value(rows.with("round", round)));
+  for (const Rows& round : rows.groups({"round"})) values.push_back(value(round));
   const auto [min, max] = std::minmax_element(values.begin(), values.end());
   return {median(values), *min, *max};
 }
@@ -202,9 +202,8 @@ struct Group {
 
 std::vector<Group> groups_of(const Rows& rows) {
   std::vector<Group> groups;
-  for (const json& scene : rows.values("scene"))
-    for (const json& substeps : rows.with("scene", scene).values("substeps"))
-      groups.push_back({scene, substeps, rows.with("scene", scene).with("substeps", substeps)});
+  for (const Rows& some : rows.groups({"scene", "substeps"}))
+    groups.push_back({some.value("scene"), some.value("substeps"), some});
   return groups;
 }
 

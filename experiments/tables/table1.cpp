@@ -103,14 +103,13 @@ double test_cost(const Rows& rows) {
 
 std::string milliseconds(const Rows& rows) { return rows.empty() ? "-" : number_text(rows.mean_ms(kStepAndEditTime)); }
 
-/// Calls visit(table, scene, comparison) for each group of rows that is one line of a table.
+/// Calls visit(table, scene, comparison) for each group of rows that is one line of a table. Pre: the rows have one
+/// motion model and one set of edges.
 template <class Visitor>
-void for_each_line(const Rows& all, const std::string& model, const std::string& edges, Visitor&& visit) {
-  const Rows rows = all.with("motion_model", model).with("edges", edges);
-  for (const json& table : rows.values("table"))
-    for (const json& scene : rows.with("table", table).values("scene"))
-      visit(table.get<std::string>(), scene.get<std::string>(),
-            Comparison(rows.with("table", table).with("scene", scene), table));
+void for_each_line(const Rows& rows, Visitor&& visit) {
+  for (const Rows& some : rows.groups({"table", "scene"}))
+    visit(some.value("table").get<std::string>(), some.value("scene").get<std::string>(),
+          Comparison(some, some.value("table")));
 }
 
 /// Returns "yes" if all entrants found the contacts of NavCCD in all steps, else the names of those that did not.
@@ -174,7 +173,7 @@ std::string note_of(const std::string& table, const std::string& model) {
 
 TitledTable times(const Rows& rows, const std::string& table, const std::string& model, const std::string& edges) {
   TextTable text(header_of(table));
-  for_each_line(rows, model, edges, [&](const std::string& of, const std::string& scene, const Comparison& c) {
+  for_each_line(rows, [&](const std::string& of, const std::string& scene, const Comparison& c) {
     if (of == table && !c.nav.empty()) text.add(line_of(table, scene, c));
   });
   return {fmt::format("{}; {} motion, {} edges", title_of(table), model, edges), text, note_of(table, model)};
@@ -185,7 +184,7 @@ TitledTable explanation(const Rows& rows, const std::string& table, const std::s
                         const std::string& edges) {
   TextTable text({"scene", "tests, NavCCD", "VolCCD", "ratio", "paper", "ns/test Nav", "Vol", "by culling", "by cost",
                   "other", "no adjacent", "filtered", "same"});
-  for_each_line(rows, model, edges, [&](const std::string& of, const std::string& scene, const Comparison& c) {
+  for_each_line(rows, [&](const std::string& of, const std::string& scene, const Comparison& c) {
     if (of != table || c.nav.empty() || c.vol.empty()) return;
     const auto paper = kPrintedRows.find(scene);
     const double saved =
@@ -215,31 +214,32 @@ TitledTable explanation(const Rows& rows, const std::string& table, const std::s
 TitledTable shares(const Rows& all, const std::string& table) {
   TextTable text({"scene", "k-DOPs", "tree", "traversal+culling", "O-Set", "filters", "tests", "rest", "edits, ms",
                   "touch nothing"});
-  for_each_line(
-      all, "linear", "triangulated", [&](const std::string& of, const std::string& scene, const Comparison& c) {
-        if (of != table || c.vol.empty()) return;
-        const double whole = c.vol.sum("seconds") * c.vol.front().at("threads").get<double>();
-        double known = 0;
-        const auto share = [&](const std::vector<std::string>& columns, double less = 0) {
-          double sum = -less;
-          for (const std::string& column : columns) sum += c.vol.sum(column);
-          known += sum;
-          return fixed_text(100 * sum / whole, 1);
-        };
-        std::vector<std::string> row = {scene,
-                                        share({"bounds_s"}),
-                                        share({"broad_phase_prepare_s"}, c.vol.sum("bounds_s")),
-                                        share({"broad_phase_run_s", "element_culling_prepare_s",
-                                               "element_culling_run_s", "assignment_prepare_s", "assignment_run_s"}),
-                                        share({"orphans_prepare_s", "orphans_run_s"}),
-                                        share({"feature_filter_prepare_s", "feature_filter_run_s"}),
-                                        share({"narrow_phase_prepare_s", "narrow_phase_run_s"})};
-        row.push_back(fixed_text(100 * (whole - known) / whole, 1));
-        row.push_back(number_text(c.vol.mean_ms({"topology_seconds"})));
-        const double pairs = c.vol.sum("element_pairs");
-        row.push_back(pairs > 0 ? percent_text(1 - c.vol.sum("touching_pairs") / pairs) : "-");
-        text.add(row);
-      });
+  for_each_line(all.with("motion_model", "linear").with("edges", "triangulated"),
+                [&](const std::string& of, const std::string& scene, const Comparison& c) {
+                  if (of != table || c.vol.empty()) return;
+                  const double whole = c.vol.sum("seconds") * c.vol.front().at("threads").get<double>();
+                  double known = 0;
+                  const auto share = [&](const std::vector<std::string>& columns, double less = 0) {
+                    double sum = -less;
+                    for (const std::string& column : columns) sum += c.vol.sum(column);
+                    known += sum;
+                    return fixed_text(100 * sum / whole, 1);
+                  };
+                  std::vector<std::string> row = {
+                      scene,
+                      share({"bounds_s"}),
+                      share({"broad_phase_prepare_s"}, c.vol.sum("bounds_s")),
+                      share({"broad_phase_run_s", "element_culling_prepare_s", "element_culling_run_s",
+                             "assignment_prepare_s", "assignment_run_s"}),
+                      share({"orphans_prepare_s", "orphans_run_s"}),
+                      share({"feature_filter_prepare_s", "feature_filter_run_s"}),
+                      share({"narrow_phase_prepare_s", "narrow_phase_run_s"})};
+                  row.push_back(fixed_text(100 * (whole - known) / whole, 1));
+                  row.push_back(number_text(c.vol.mean_ms({"topology_seconds"})));
+                  const double pairs = c.vol.sum("element_pairs");
+                  row.push_back(pairs > 0 ? percent_text(1 - c.vol.sum("touching_pairs") / pairs) : "-");
+                  text.add(row);
+                });
   return {fmt::format("Figures 11 and 4: shares of VolCCD's time in Table I-{}, %, and leaf pairs that touch nothing",
                       table),
           text, "touch nothing: of non-adjacent pairs of elements whose k-DOPs overlap (the paper: 90 to 99 %)\n"};
@@ -304,13 +304,10 @@ ExperimentPlan table1_plan(const PlanContext& context) {
 std::vector<TitledTable> table1_tables(const json& record) {
   const Rows rows(record);
   std::vector<TitledTable> tables;
-  for (const json& model : rows.values("motion_model"))
-    for (const json& edges : rows.with("motion_model", model).values("edges")) {
-      const Rows some = rows.with("motion_model", model).with("edges", edges);
-      for (const json& table : some.values("table")) {
-        tables.push_back(times(some, table, model, edges));
-        tables.push_back(explanation(some, table, model, edges));
-      }
+  for (const Rows& some : rows.groups({"motion_model", "edges"}))
+    for (const json& table : some.values("table")) {
+      tables.push_back(times(some, table, some.value("motion_model"), some.value("edges")));
+      tables.push_back(explanation(some, table, some.value("motion_model"), some.value("edges")));
     }
   for (const json& table : rows.values("table")) tables.push_back(shares(rows, table));
   tables[0].note += "setting " + record.at("provenance").at("setting").get<std::string>() + ", commit " +
@@ -321,11 +318,10 @@ std::vector<TitledTable> table1_tables(const json& record) {
 json table1_summary(const json& record) {
   const Rows rows(record);
   json summary = json::array();
-  for (const json& model : rows.values("motion_model"))
-    for (const json& edges : rows.with("motion_model", model).values("edges"))
-      for_each_line(rows, model, edges, [&](const std::string& table, const std::string& scene, const Comparison& c) {
-        if (!c.nav.empty()) summary.push_back(summary_of(table, scene, c));
-      });
+  for (const Rows& some : rows.groups({"motion_model", "edges"}))
+    for_each_line(some, [&](const std::string& table, const std::string& scene, const Comparison& c) {
+      if (!c.nav.empty()) summary.push_back(summary_of(table, scene, c));
+    });
   return summary;
 }
 
