@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -33,31 +31,9 @@ namespace {
 
 struct DetectOptions : ContactQueryOptions {
   ReportOptions report;
-  std::string vtk, lists;
-  int substeps = 1;
+  std::string vtk;
   std::optional<int> ranks;
-
-  ListConfig list_config() const;
-  distributed::Config rank_config(Executor& executor) const;
 };
-
-/// "off", "auto", or a budget and a number of steps, "B:N".
-ListConfig DetectOptions::list_config() const {
-  if (lists == "off" || (lists.empty() && substeps == 1)) return {};
-  if (lists == "auto" || lists.empty()) return {.use = ListConfig::Use::automatic};
-  ListConfig config{.use = ListConfig::Use::always};
-  char rest = 0;
-  if (std::sscanf(lists.c_str(), "%lf:%lf%c", &config.budget, &config.steps, &rest) != 2)
-    throw ConfigError(fmt::format("--lists: '{}' is not off, auto, or BUDGET:STEPS, such as 0.001:20", lists));
-  return config;
-}
-
-/// Frames of a file are so far apart that a skin makes more copies than it saves lists.
-distributed::Config DetectOptions::rank_config(Executor& executor) const {
-  distributed::Config config{.executor = &executor, .filter = query.filter(), .lists = list_config()};
-  if (substeps == 1) config.skin = 0;
-  return config;
-}
 
 constexpr std::size_t kPartPairsShown = 20;
 
@@ -113,9 +89,7 @@ class Detection {
         request_(options.request()) {
     if (options.ranks)
       ranks_.emplace(*options.ranks, registry, options.spec(registry), options.rank_config(*executor_));
-    if (range_.end > std::numeric_limits<int>::max() / options.substeps)
-      throw ConfigError(fmt::format("--substeps: {} substeps of {} motions are more than can be numbered",
-                                    options.substeps, range_.end));
+    options.check_numbers(range_);
     warn_of_incomplete(reader_);
     plan_.input("FILE", options.sequence.file);
     plan_.output("--contacts", options.contacts);
@@ -406,18 +380,6 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
           "for ParaView: F.vtp has a point for each contact, with normals, times, kinds, objects; F.pvd is a series "
           "of the features in contact at the end of each step, in F_0000.vtp, ...")
       ->type_name("FILE");
-  command
-      ->add_option("--substeps", options->substeps,
-                   "divide each motion into N steps; steps in files are then numbered N k to N k + N - 1")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  command
-      ->add_option("--lists", options->lists,
-                   "test the candidates of earlier steps: off; auto, where that is faster; or with a budget (a "
-                   "distance) and a number of steps ahead; the contacts are the same; default: auto with --substeps, "
-                   "off without")
-      ->type_name("off|auto|B:N");
   command
       ->add_option("--ranks", options->ranks,
                    "divide space among N ranks, which run in this process one after another, each on its part of the "

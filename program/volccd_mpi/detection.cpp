@@ -1,6 +1,7 @@
 #include <volccd/program/volccd_mpi/detection.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -54,7 +55,7 @@ double from_ordered(std::uint64_t bits) {
   return std::bit_cast<double>((bits >> 63) != 0 ? bits & ~(std::uint64_t{1} << 63) : ~bits);
 }
 
-/// Sums over the ranks in one step.
+/// Sums over the ranks and the substeps of one step; `elements` are those of the mesh.
 struct StepRow {
   int step = 0;
   std::uint64_t tests = 0, contacts = 0, initial_overlaps = 0, elements = 0;
@@ -67,8 +68,7 @@ class RankDetection {
                 const Registry& registry)
       : exchange_(exchange), options_(std::move(options)), report_(report) {
     open();
-    detector_.emplace(exchange, registry, spec_of(registry),
-                      distributed::Config{.executor = executor_.get(), .filter = options_.query.filter(), .skin = 0});
+    make_detector(registry);
   }
 
   void run() {
@@ -122,14 +122,19 @@ class RankDetection {
         reader_.emplace(options_.sequence.file);
         if (first()) warn_of_incomplete(*reader_);
         range_ = parse_steps(options_.sequence.steps, reader_->frame_count() - 1, options_.sequence.file);
+        options_.check_numbers(range_);
         source_ = make_step_source(*reader_, options_.sequence.stepper(), exchange_.rank(), exchange_.size());
       });
   }
 
-  PipelineSpec spec_of(const Registry& registry) {
+  void make_detector(const Registry& registry) {
     PipelineSpec spec;
-    run_on_all(exchange_, "options", [&] { spec = options_.spec(registry); });
-    return spec;
+    distributed::Config config;
+    run_on_all(exchange_, "options", [&] {
+      spec = options_.spec(registry);
+      config = options_.rank_config(*executor_);
+    });
+    detector_.emplace(exchange_, registry, spec, config);
   }
 
   void run_step(int k) {
@@ -144,10 +149,18 @@ class RankDetection {
       if (k == range_.begin) check_first_step(k, elements);
       detector_->set_mesh(std::move(elements), source_->vertices(), options_.sequence.stepper().edge_set);
     }
-    const distributed::RankResult& result = detector_->step(source_->motion(), request_);
-    write(k, result);
-    add_row(k, result);
-    sum_ += result.rank;
+    rows_.push_back({.step = k});
+    const int n = options_.substeps;
+    for (int i = 0; i < n; ++i) {
+      if (n > 1) part_.set_part(source_->motion(), static_cast<double>(i) / n, static_cast<double>(i + 1) / n);
+      const distributed::RankResult& result = detector_->step(n > 1 ? part_ : source_->motion(), request_);
+      write(k * n + i, result);
+      add_to_row(i, result);
+      sum_ += result.rank;
+      list_sums_[0] += result.statistics.list_steps;
+      list_sums_[1] += result.statistics.refreshed_steps;
+      list_sums_[2] += result.statistics.reused_steps;
+    }
   }
 
   /// Of the query of this step: the same on all ranks that have points.
@@ -220,26 +233,28 @@ class RankDetection {
     }
   }
 
-  void add_row(int k, const distributed::RankResult& result) {
+  /// Adds what all ranks found in a substep to the last row.
+  void add_to_row(int substep, const distributed::RankResult& result) {
     double earliest = std::numeric_limits<double>::infinity();
     for (const distributed::RankContact& contact : result.contacts) earliest = std::min(earliest, contact.toi);
-    std::uint64_t sums[] = {result.contacts.size(),           result.rank.tests,
-                            result.initial_overlaps.size(),   static_cast<std::uint64_t>(1e9 * result.rank.seconds),
-                            source_->motion().vertex_count(), result.rank.elements - result.rank.copies};
-    std::uint64_t first_toi = ordered(earliest), slowest = sums[3];
+    std::uint64_t sums[] = {result.contacts.size(), result.rank.tests, result.initial_overlaps.size(),
+                            result.rank.elements - result.rank.copies};
+    std::uint64_t first_toi = ordered((substep + earliest) / options_.substeps);
+    std::uint64_t slowest = static_cast<std::uint64_t>(1e9 * result.rank.seconds);
     exchange_.allreduce(sums, Reduction::sum);
     exchange_.allreduce({&first_toi, 1}, Reduction::min);
     exchange_.allreduce({&slowest, 1}, Reduction::max);
-    rows_.push_back({.step = k,
-                     .tests = sums[1],
-                     .contacts = sums[0],
-                     .initial_overlaps = sums[2],
-                     .elements = sums[5],
-                     .earliest_toi = from_ordered(first_toi),
-                     .slowest_seconds = 1e-9 * static_cast<double>(slowest)});
+    StepRow& row = rows_.back();
+    row.contacts += sums[0];
+    row.tests += sums[1];
+    row.initial_overlaps += sums[2];
+    row.elements = sums[3];
+    row.earliest_toi = std::min(row.earliest_toi, from_ordered(first_toi));
+    row.slowest_seconds += 1e-9 * static_cast<double>(slowest);
   }
 
   void gather_ranks() {
+    exchange_.allreduce(list_sums_, Reduction::sum);
     const auto* const mine = reinterpret_cast<const std::byte*>(&sum_);
     for (const Bytes& bytes : exchange_.allgather(Bytes(mine, mine + sizeof sum_)))
       std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::byte*>(&ranks_.emplace_back()));
@@ -262,6 +277,7 @@ class RankDetection {
             {"pairs", options_.query.pairs},
             {"separation", detector_->separation()},
             {"motion", options_.sequence.motion},
+            {"substeps", options_.substeps},
             {"threads", executor_->workers()},
             {"pipeline", to_json(detector_->pipeline())},
             {"machine", machine_facts()},
@@ -280,12 +296,15 @@ class RankDetection {
                                         fmt::format("{:.2f}", 1e3 * row.slowest_seconds)};
       if (overlaps_) cells.insert(cells.begin() + 3, grouped(row.initial_overlaps));
       table.add(cells);
-      elements += row.elements;
+      elements += row.elements * static_cast<std::uint64_t>(options_.substeps);
     }
     const Report report(report_);
     report.print("{}: {}, {}, {} ranks with {} thread(s) each\n\n{}\n{}", options_.sequence.file,
                  detector_->pipeline().spec().name, to_string(detector_->pipeline().guarantee()), exchange_.size(),
                  executor_->workers(), table.text(), rank_table(ranks_, elements));
+    if (const auto& [made, refreshed, used] = list_sums_; made + refreshed + used > 0)
+      report.print("candidate lists, steps of all ranks: {} made one, {} refreshed one, {} used one\n", grouped(made),
+                   grouped(refreshed), grouped(used));
     if (contacts_) report.print("\ncontacts written to {}\n", contacts_->name());
     if (overlaps_) report.print("{}initial overlaps written to {}\n", contacts_ ? "" : "\n", overlaps_->name());
     if (stats_) report.print("{}statistics written to {}\n", contacts_ || overlaps_ ? "" : "\n", stats_->name());
@@ -300,10 +319,12 @@ class RankDetection {
   std::optional<SequenceReader> reader_;
   StepRange range_;
   std::unique_ptr<StepSource> source_;
+  Motion part_;  ///< of the motion, in the present substep
   std::optional<distributed::Detector> detector_;
   std::optional<SharedTextFile> contacts_, overlaps_, stats_;
   std::vector<StepRow> rows_;
   RankStatistics sum_;
+  std::array<std::uint64_t, 3> list_sums_{};  ///< steps that made a candidate list, refreshed one, used one
   std::vector<RankStatistics> ranks_;  ///< the sums of all ranks, after the last step
 };
 

@@ -41,7 +41,8 @@ void add_detect(CLI::App& app, Options& options) {
       "--threads: of each process.\n"
       "Examples:\n"
       "  mpirun -n 4 volccd-mpi detect run.vtkhdf --contacts contacts.csv\n"
-      "  mpirun -n 4 volccd-mpi detect run.vtkhdf --steps 4:8 --separation 0.01 --first");
+      "  mpirun -n 4 volccd-mpi detect run.vtkhdf --steps 4:8 --separation 0.01 --first\n"
+      "  mpirun -n 4 volccd-mpi detect run.vtkhdf --substeps 100 --separation 0.01 --contacts contacts.csv");
 }
 
 /// What a rank prints after its command line is parsed, if it has nothing to run.

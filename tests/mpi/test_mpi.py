@@ -4,6 +4,7 @@ Skipped where mpirun cannot start two processes."""
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -90,7 +91,8 @@ class Program(unittest.TestCase):
         self.assertGreater(self.same(self.sequence, *EXACT), 20)
         for options in (("--first", *EXACT), ("--separation", "0.05"), ("--pipeline", "NavCCD", *EXACT, "--pairs", "inter"),
                         ("--motion", "quadratic", *EXACT), ("--parts", "components", "--pairs", "inter", *EXACT),
-                        ("--steps", "1:3", "--edges", "polytope", *EXACT, "--threads", "2")):
+                        ("--steps", "1:3", "--edges", "polytope", *EXACT, "--threads", "2"),
+                        ("--steps", "2:4", "--substeps", "5", "--lists", "0.02:5", *EXACT)):
             self.assertGreater(self.same(self.sequence, *options, counts=(3,)), 0)
 
     @unittest.skipUnless(os.path.isdir(DATA), f"there is no {DATA}")
@@ -117,7 +119,7 @@ class Program(unittest.TestCase):
         for options, part in ((("--steps", "7:9"), "rank 0 of 3: options: --steps: 7:9 is not within"),
                               (("--pipeline", "none"), "rank 0 of 3: options: "),
                               (("--separation", "1e9"), "is greater than the diagonal"),
-                              (("--lists", "auto"), "--lists")):
+                              (("--lists", "often"), "rank 0 of 3: options: --lists: 'often' is not off, auto")):
             lines = self.refused("-n", "3", *detect, *options)
             self.assertEqual(len(lines), 1, lines)
             self.assertIn(part, lines[0])
@@ -158,6 +160,20 @@ class Program(unittest.TestCase):
         self.assertEqual((three["pipeline"]["name"], three["sequence"]), (one["pipeline"]["name"], one["sequence"]))
         self.assertLessEqual(max(step["slowest_seconds"] for step in three["steps"]),
                              max(rank["seconds"] for rank in three["ranks"]) + 1e-6)
+
+    def test_candidate_lists_of_substeps_are_used(self):
+        result = ranks(2, VOLCCD_MPI, "detect", self.sequence, "--steps", "2:4", "--substeps", "20", "--lists", "0.02:20",
+                       "--stats", self.path("stats.json"))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        made, used = (int(n) for n in re.search(r": (\d+) made one, \d+ refreshed one, (\d+) used one",
+                                                result.stdout).groups())
+        self.assertGreater(made, 0)
+        self.assertGreater(used, made)
+        self.assertLessEqual(made + used, 2 * 2 * 20)
+        with open(self.path("stats.json"), encoding="utf-8") as file:
+            stats = json.load(file)
+        os.remove(self.path("stats.json"))
+        self.assertEqual((stats["substeps"], [s["step"] for s in stats["steps"]]), (20, [2, 3]))
 
     def test_ctrl_c_ends_all_ranks_and_leaves_no_file(self):
         long = self.path("long.vtkhdf")
