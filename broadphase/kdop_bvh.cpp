@@ -96,16 +96,16 @@ void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& execu
   const TopologyDelta::Extent changed = state.delta.sync(step.topology);
   bool build = changed == TopologyDelta::Extent::everything || config_.restructure == Restructure::always;
   if (!build && changed == TopologyDelta::Extent::edits)
-    build = !state.tree.edit(step.mesh(), state.delta.changed_slots(), state.vertices, executor);
+    build = !state.tree.edit(step, state.delta.changed_slots(), state.vertices, executor);
   std::size_t restructured = 0;
   if (build) {
-    state.tree.build(step.mesh(), config_.leaf_size, state.vertices, executor);
+    state.tree.build(step, config_.leaf_size, state.vertices, executor);
     ++state.counters.builds;
     if (config_.restructure != Restructure::always) state.tree.free_scratch();
   } else {
     state.tree.refit(state.vertices, executor);
     if (config_.restructure == Restructure::subtrees)
-      restructured = state.tree.restructure(config_.degradation, state.vertices, executor);
+      restructured = state.tree.restructure(step, config_.degradation, state.vertices, executor);
     state.counters.restructured_elements += restructured;
   }
   const bool new_elements = build || changed != TopologyDelta::Extent::none;
@@ -118,7 +118,7 @@ std::size_t KdopBvh::blocks(const Step& step, StageState& stage_state, Executor&
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   const detail::PairRules rules(step, state.keys);
   if (rules.adjacency && config_.adjacent_pairs == AdjacentPairs::table && config_.restructure != Restructure::always)
-    state.tree.find_adjacent_leaves(step.topology, executor);
+    state.tree.find_adjacent_leaves(step, executor);
   state.counters.node_tests += make_tasks(state, rules);
   state.workers.resize(std::max<std::size_t>(state.workers.size(), executor.workers()));
   for (Worker& worker : state.workers)

@@ -12,7 +12,7 @@ namespace volccd {
 
 /// Which element pairs are asked for.
 enum class PairRange {
-  nonadjacent,  ///< pairs of elements without a common vertex (O-Sets cover the others, Section 5.1)
+  nonadjacent,  ///< pairs of elements that are not adjacent (O-Sets cover the others, Section 5.1)
   every         ///< also pairs of adjacent elements, and the self pair (o, o) of each live element
 };
 
@@ -36,6 +36,11 @@ struct Step {
   /// depend on it.
   std::span<const std::uint8_t> complete = {};
 
+  /// Which elements are adjacent; null: those with a common vertex. It has the slots of the topology, and changes only
+  /// with edits that remove or add the elements concerned.
+  const Adjacency* adjacency_table = nullptr;
+
+  const Adjacency& adjacency() const { return adjacency_table ? *adjacency_table : topology.adjacency(); }
   bool is_complete(Index v) const { return complete.empty() || complete[v] != 0; }
 
   const Mesh& mesh() const { return topology.mesh(); }

@@ -19,7 +19,7 @@ struct PairRules {
   bool self_pairs;             ///< whether self pairs (o, o) are included
 
   PairRules(const Step& step, const FilterKeys& filter)
-      : adjacency(step.range == PairRange::nonadjacent ? &step.topology.adjacency() : nullptr),
+      : adjacency(step.range == PairRange::nonadjacent ? &step.adjacency() : nullptr),
         keys(filter.trivial() ? nullptr : &filter),
         self_pairs(step.range == PairRange::every) {}
 

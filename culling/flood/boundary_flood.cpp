@@ -174,14 +174,13 @@ Round begin_everything(BoundaryFloodState& state, Executor& executor) {
   return blocks > 0 ? Round{blocks, RoundKind::pairs} : begin_orphans(state);
 }
 
-/// Pairs whose outer parts may touch. Parts without a common vertex may belong to adjacent simplices.
+/// Pairs whose outer parts may touch.
 void append_parts(BoundaryFloodState& state, unsigned worker, std::size_t block, Work& out) {
   Work& found = state.workers[worker].work;
   found.pairs.clear();
   state.broad_phase->run(*state.parts_step, *state.parts_state, worker, block, found);
   const detail::PartTable& table = state.outer.table();
-  for (const ElementPair parts : found.pairs)
-    if (!table.simplices_adjacent(parts)) out.pairs.push_back(table.simplices(parts));
+  for (const ElementPair parts : found.pairs) out.pairs.push_back(table.simplices(parts));
 }
 
 void append_everything(BoundaryFloodState& state, unsigned worker, std::size_t block, Work& out) {
@@ -261,7 +260,8 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
                                 .filter = state.filter,
                                 .separation = step.separation,
                                 .t_max = step.t_max,
-                                .range = PairRange::nonadjacent});
+                                .range = PairRange::nonadjacent,
+                                .adjacency_table = &state.outer.table().adjacency()});
   if (!state.parts_state) state.parts_state = state.broad_phase->make_state();
   state.broad_phase->prepare(*state.parts_step, *state.parts_state, executor);
   state.workers.resize(executor.workers());

@@ -39,7 +39,7 @@ void WorkerScratch::test_overlaps(const Step& step) {
   overlap_candidates.clear();
   for (const auto* list : {&batch.pairs, &batch.contact_free})
     for (const ElementPair pair : *list)
-      if ((step.range == PairRange::nonadjacent || !step.topology.adjacency().adjacent(pair.a, pair.b)) &&
+      if ((step.range == PairRange::nonadjacent || !step.adjacency().adjacent(pair.a, pair.b)) &&
           step.filter.allows(mesh.object(pair.a), mesh.object(pair.b)))
         overlap_candidates.push_back(pair);
   const std::size_t before = overlaps.size();

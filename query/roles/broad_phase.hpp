@@ -7,8 +7,8 @@ namespace volccd {
 
 /// Guarantee (conservative): each unordered pair {a,b} of live elements in step.range whose closed swept volumes come
 /// within step.separation of each other is in exactly one block, with a <= b, unless step.filter drops it
-/// (ObjectFilter::drops). Bounds are rounded outward. The topology of the step may have no edges and triangles
-/// (EdgeSet::none).
+/// (ObjectFilter::drops). Elements are adjacent by step.adjacency(). Bounds are rounded outward. The topology of the step
+/// may have no edges and triangles (EdgeSet::none).
 class BroadPhase : public WorkSource {
  public:
   static constexpr const char* kRole = "broad-phase";

@@ -111,6 +111,36 @@ TEST(BroadPhases, WorkersDoNotMatter) {
   }
 }
 
+/// A face of each tetrahedron, where faces count as adjacent if their tetrahedra are.
+TEST(BroadPhases, AdjacencyMayBeThatOfOtherElements) {
+  const Shape shape = permuted(block(ElementType::tetrahedron, 5, 4, 3), 1);
+  const Topology tetrahedra(shape.mesh());
+  const Mesh& mesh = tetrahedra.mesh();
+  Mesh faces;
+  faces.add_vertices(mesh.vertex_ids());
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    const std::span<const Index> vertices = mesh.vertices(o);
+    faces.add_element({.type = ElementType::triangle, .vertices = {vertices.begin(), vertices.begin() + 3}, .id = o});
+  }
+  Scene scene;
+  scene.topology = std::make_unique<Topology>(std::move(faces));
+  scene.motion = Motion::linear(shape.positions, jittered(shape.positions, 0.5, 1));
+  Step step = scene.step();
+  auto phases = all_phases();
+  phases.push_back(make(describe_kdop_bvh(), {{"adjacent_pairs", "vertices"}}));
+  phases.push_back(make(describe_kdop_bvh(), {{"restructure", "always"}}));
+  for (const auto& phase : phases) {
+    step.adjacency_table = nullptr;
+    Pairs expected = run_fresh(*phase, step, PairRange::nonadjacent);
+    const std::size_t removed =
+        std::erase_if(expected, [&](ElementPair pair) { return tetrahedra.adjacency().adjacent(pair.a, pair.b); });
+    EXPECT_GT(removed, 100u);
+    EXPECT_GT(expected.size(), 100u);
+    step.adjacency_table = &tetrahedra.adjacency();
+    EXPECT_EQ(run_fresh(*phase, step, PairRange::nonadjacent), expected);
+  }
+}
+
 TEST(BroadPhases, InstructionSetsDoNotMatter) {
   const std::vector<Scene> all = scenes();
   const auto phases = all_phases();

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <volccd/mesh/tables/group_by_key.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -15,8 +17,8 @@ void AdjacentLeaves::clear() {
   known_.clear();
 }
 
-void AdjacentLeaves::update(const ElementList& list, Index elements, Index leaf_size, const Topology& topology,
-                            Executor& executor) {
+void AdjacentLeaves::update(const ElementList& list, Index elements, Index leaf_size, const Adjacency& adjacency,
+                            Index vertices, Executor& executor) {
   if (elements > kMaxElements) return clear();
   const Index leaves = (elements + leaf_size - 1) / leaf_size, blocks = (elements + kBlock - 1) / kBlock;
   if (elements_ == elements && forgotten_ <= leaves / kForgottenDenominator) return;
@@ -27,25 +29,31 @@ void AdjacentLeaves::update(const ElementList& list, Index elements, Index leaf_
   begins_.resize(elements);
   sizes_.resize(elements);
   if (blocks_.size() < blocks) blocks_.resize(blocks);
-  places_.assign(topology.mesh().element_slots(), kNone);
-  for (Index leaf = 0; leaf < elements; leaf += leaf_size)
-    for (Index p = leaf; p < std::min(leaf + leaf_size, elements); ++p)
-      if (list.slot(p) != kNone) places_[list.slot(p)] = leaf * kMaskRow + (p - leaf);
+  // A place is kMaskRow times the leaf, plus the place of the element there.
+  const auto add_places = [&](std::size_t, std::size_t begin, std::size_t end, auto&& add) {
+    for (Index p = static_cast<Index>(begin); p < end; ++p)
+      if (list.slot(p) != kNone)
+        for (const Index v : adjacency.vertices(list.slot(p)))
+          add(KeyValue{v, (p - p % leaf_size) * kMaskRow + p % leaf_size});
+  };
+  IncidencePool places;
+  group_by_key(elements, vertices, std::size_t{elements} * 4, executor, add_places, places);
   if (scratch_.size() < executor.workers()) scratch_.resize(executor.workers());
   for (Scratch& scratch : scratch_) scratch.entries.assign(elements, kNone);
   executor.parallel_for(blocks, 1, [&](std::size_t begin, std::size_t end, unsigned worker) {
     for (std::size_t b = begin; b < end; ++b)
-      make_block(list, topology.features(), static_cast<Index>(b), scratch_[worker]);
+      make_block(list, adjacency, places, static_cast<Index>(b), scratch_[worker]);
   });
 }
 
 /// Sets scratch.vertices to the vertices of a leaf, each with bit 8 i for every element i that has it.
-void AdjacentLeaves::collect_vertices(const ElementList& list, Index leaf, Scratch& scratch) const {
+void AdjacentLeaves::collect_vertices(const ElementList& list, const Adjacency& adjacency, Index leaf,
+                                      Scratch& scratch) const {
   scratch.vertices.clear();
   const Index end = std::min(leaf + leaf_size_, elements_);
   for (Index p = leaf; p < end; ++p) {
     if (list.slot(p) == kNone) continue;
-    for (const Index v : list.vertices(p)) {
+    for (const Index v : adjacency.vertices(list.slot(p))) {
       const auto at = std::find_if(scratch.vertices.begin(), scratch.vertices.end(),
                                    [&](const LeafVertex& listed) { return listed.vertex == v; });
       const std::uint64_t bit = std::uint64_t{1} << kMaskRow * (p - leaf);
@@ -57,8 +65,9 @@ void AdjacentLeaves::collect_vertices(const ElementList& list, Index leaf, Scrat
   }
 }
 
-/// Makes the rows of one block. The entries in `scratch` are kNone before and after.
-void AdjacentLeaves::make_block(const ElementList& list, const Features& features, Index number, Scratch& scratch) {
+/// Makes the rows of one block from the places by vertex. The entries in `scratch` are kNone before and after.
+void AdjacentLeaves::make_block(const ElementList& list, const Adjacency& adjacency, const IncidencePool& places,
+                                Index number, Scratch& scratch) {
   Block& block = blocks_[number];
   block.leaves.clear();
   block.masks.clear();
@@ -67,11 +76,10 @@ void AdjacentLeaves::make_block(const ElementList& list, const Features& feature
   for (Index leaf = first; leaf < last; leaf += leaf_size_) {
     const std::size_t row = block.leaves.size();
     begins_[leaf] = static_cast<Index>(row);
-    collect_vertices(list, leaf, scratch);
+    collect_vertices(list, adjacency, leaf, scratch);
     for (const LeafVertex& shared : scratch.vertices)
-      for (const Index slot : features.vertex_elements(shared.vertex)) {
-        const Index place = places_[slot];
-        if (place == kNone || place < leaf * kMaskRow) continue;
+      for (const Index place : places[shared.vertex]) {
+        if (place < leaf * kMaskRow) continue;
         Index& entry = scratch.entries[place / kMaskRow];
         if (entry == kNone) {
           entry = static_cast<Index>(block.leaves.size());

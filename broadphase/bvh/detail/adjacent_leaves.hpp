@@ -7,7 +7,8 @@
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/mesh/topology.hpp>
+#include <volccd/mesh/adjacency.hpp>
+#include <volccd/mesh/incidence_pool.hpp>
 
 namespace volccd::detail {
 
@@ -31,10 +32,11 @@ class AdjacentLeaves {
 
   void clear();
 
-  /// Makes the table for the first `elements` positions anew, unless it has most of their leaves. The time is
-  /// proportional to the number of pairs of adjacent elements, divided by the number of threads. Has no leaves if
-  /// there are more than kMaxElements. Pre: leaf_size <= kMaskRow.
-  void update(const ElementList& list, Index elements, Index leaf_size, const Topology& topology, Executor& executor);
+  /// Makes the table for the first `elements` positions anew, unless it has most of their leaves. `vertices`: number of
+  /// vertices of the mesh. The time is proportional to the number of pairs of adjacent elements, divided by the number
+  /// of threads. Has no leaves if there are more than kMaxElements. Pre: leaf_size <= kMaskRow.
+  void update(const ElementList& list, Index elements, Index leaf_size, const Adjacency& adjacency, Index vertices,
+              Executor& executor);
 
   /// Removes the leaves of these positions, whose elements were reordered, from the table.
   void forget(Index begin, Index end);
@@ -46,10 +48,10 @@ class AdjacentLeaves {
     return {block.leaves.data() + begins_[leaf], block.masks.data() + begins_[leaf], sizes_[leaf]};
   }
 
-  std::size_t bytes() const { return heap_bytes(blocks_, begins_, sizes_, known_, places_, scratch_); }
+  std::size_t bytes() const { return heap_bytes(blocks_, begins_, sizes_, known_, scratch_); }
 
  private:
-  static constexpr Index kMaxElements = kNone / kMaskRow;  ///< so that places_ do not overflow
+  static constexpr Index kMaxElements = kNone / kMaskRow;  ///< so that places do not overflow
   static constexpr Index kBlock = 1024;  ///< number of positions; the rows of the leaves there are stored together
 
   struct Block {
@@ -67,15 +69,15 @@ class AdjacentLeaves {
     std::size_t bytes() const { return heap_bytes(entries, vertices); }
   };
 
-  void collect_vertices(const ElementList& list, Index leaf, Scratch& scratch) const;
-  void make_block(const ElementList& list, const Features& features, Index block, Scratch& scratch);
+  void collect_vertices(const ElementList& list, const Adjacency& adjacency, Index leaf, Scratch& scratch) const;
+  void make_block(const ElementList& list, const Adjacency& adjacency, const IncidencePool& places, Index block,
+                  Scratch& scratch);
 
   Index elements_ = 0, leaf_size_ = 1, forgotten_ = 0;
   std::vector<Block> blocks_;
   std::vector<Index> begins_, sizes_;  ///< by leaf: of its row in its block
   std::vector<std::uint8_t> known_;    ///< by leaf
-  std::vector<Index> places_;     ///< by slot: kMaskRow times its leaf, plus its place there; kNone if not in the table
-  std::vector<Scratch> scratch_;  ///< by worker
+  std::vector<Scratch> scratch_;       ///< by worker
 };
 
 }  // namespace volccd::detail

@@ -23,23 +23,23 @@ double ratio(const TreeCost& cost) { return cost.elements > 0 ? cost.nodes / cos
 
 }  // namespace
 
-void KdopTree::build(const Mesh& mesh, int leaf_size, const BoundsTable& vertices, Executor& executor) {
+void KdopTree::build(const Step& step, int leaf_size, const BoundsTable& vertices, Executor& executor) {
   leaf_size_ = static_cast<Index>(leaf_size);
-  list_.assign(mesh, executor);
+  list_.assign(step.mesh(), executor);
   built_elements_ = static_cast<Index>(list_.size());
   gaps_ = 0;
   depth_ = 0;
   roots_.clear();
   adjacent_leaves_.clear();
-  positions_.assign(mesh.element_slots(), kNone);
+  positions_.assign(step.mesh().element_slots(), kNone);
   for (BoundsTable* bounds : {&element_bounds_, &node_bounds_}) bounds->resize(0, vertices.width());
-  add_tree(0, vertices, executor);
+  add_tree(step.adjacency(), 0, vertices, executor);
   refit(vertices, executor);
   if (!roots_.empty()) note_costs(0);
 }
 
 /// Adds a tree over the elements from position `begin` on, if there are any, after a tree over the others.
-void KdopTree::add_tree(Index begin, const BoundsTable& vertices, Executor& executor) {
+void KdopTree::add_tree(const Adjacency& adjacency, Index begin, const BoundsTable& vertices, Executor& executor) {
   const Index end = static_cast<Index>(list_.size()), first = begin == 0 ? 0 : nodes_of(begin);
   nodes_.resize(end == begin ? first : first + nodes_of(end - begin));
   element_bounds_.grow(end + LeafLanes::kPadding, begin);
@@ -51,16 +51,15 @@ void KdopTree::add_tree(Index begin, const BoundsTable& vertices, Executor& exec
     depth_ = std::max(depth_, build_subtree({first, begin, end, 0}, vertices, scratch_[0], executor));
   }
   find_blocks();
-  std::size_t max = 0;
-  for (std::size_t p = begin; p < end; ++p) max = std::max(max, list_.vertices(p).size());
-  const int rows = vertex_rows_for(max);
+  const int rows = vertex_rows_for(max_ids(adjacency, begin));
   const bool fits = begin > 0 && (lane_vertices_ == 0 || (rows != 0 && rows <= lane_vertices_));
-  fits ? fill_lanes(begin, end, executor) : make_lanes(executor);
+  fits ? fill_lanes(adjacency, begin, end, executor) : make_lanes(adjacency, executor);
   end_lanes();
 }
 
-bool KdopTree::edit(const Mesh& mesh, const std::vector<Index>& touched, const BoundsTable& vertices,
+bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices,
                     Executor& executor) {
+  const Mesh& mesh = step.mesh();
   positions_.resize(mesh.element_slots(), kNone);
   added_.clear();  // slots of the second tree
   for (std::size_t p = built_elements_; p < list_.size(); ++p)
@@ -69,7 +68,7 @@ bool KdopTree::edit(const Mesh& mesh, const std::vector<Index>& touched, const B
     if (const Index position = positions_[slot]; position < built_elements_) {
       list_.make_gap(position);
       ++gaps_;
-      fill_lane(position);
+      fill_lane(step.adjacency(), position);
     }
     positions_[slot] = kNone;
     if (mesh.is_live(slot)) added_.push_back(slot);
@@ -79,7 +78,7 @@ bool KdopTree::edit(const Mesh& mesh, const std::vector<Index>& touched, const B
   list_.truncate(built_elements_);
   for (const Index slot : added_) list_.append(mesh, slot);
   roots_.resize(built_elements_ == 0 ? 0 : 1);
-  add_tree(built_elements_, vertices, executor);
+  add_tree(step.adjacency(), built_elements_, vertices, executor);
   return true;
 }
 
@@ -96,14 +95,20 @@ int KdopTree::build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTab
   return depth;
 }
 
-/// Allocates the rows, with room for what edits may add, and fills them for the whole list.
-void KdopTree::make_lanes(Executor& executor) {
+/// The most vertices that decide whether an element is adjacent, of the elements from position `begin` on.
+std::size_t KdopTree::max_ids(const Adjacency& adjacency, std::size_t begin) const {
   std::size_t max = 0;
-  for (std::size_t p = 0; p < list_.size(); ++p) max = std::max(max, list_.vertices(p).size());
-  lane_vertices_ = vertex_rows_for(max);
+  for (std::size_t p = begin; p < list_.size(); ++p)
+    if (list_.slot(p) != kNone) max = std::max(max, adjacency.vertices(list_.slot(p)).size());
+  return max;
+}
+
+/// Allocates the rows, with room for what edits may add, and fills them for the whole list.
+void KdopTree::make_lanes(const Adjacency& adjacency, Executor& executor) {
+  lane_vertices_ = vertex_rows_for(max_ids(adjacency, 0));
   lane_stride_ = built_elements_ + max_added(built_elements_) + LeafLanes::kPadding;
   lanes_.resize(lane_stride_ * static_cast<std::size_t>(1 + lane_vertices_));
-  fill_lanes(0, list_.size(), executor);
+  fill_lanes(adjacency, 0, list_.size(), executor);
 }
 
 /// Fills what is read together with the last leaf, and ignored.
@@ -114,17 +119,17 @@ void KdopTree::end_lanes() {
   }
 }
 
-void KdopTree::fill_lanes(std::size_t begin, std::size_t end, Executor& executor) {
+void KdopTree::fill_lanes(const Adjacency& adjacency, std::size_t begin, std::size_t end, Executor& executor) {
   executor.parallel_for(end - begin, kElementsPerTask, [&](std::size_t first, std::size_t last, unsigned) {
-    for (std::size_t p = begin + first; p < begin + last; ++p) fill_lane(p);
+    for (std::size_t p = begin + first; p < begin + last; ++p) fill_lane(adjacency, p);
   });
 }
 
-void KdopTree::fill_lane(std::size_t p) {
-  lanes_[p] = list_.slot(p);
-  const std::span<const Index> vertices = list_.vertices(p);
+void KdopTree::fill_lane(const Adjacency& adjacency, std::size_t p) {
+  const Index slot = lanes_[p] = list_.slot(p);
+  const std::span<const Index> ids = slot == kNone ? std::span<const Index>() : adjacency.vertices(slot);
   for (std::size_t v = 0; v < static_cast<std::size_t>(lane_vertices_); ++v)
-    lanes_[(1 + v) * lane_stride_ + p] = list_.slot(p) == kNone ? kNone : vertices[v < vertices.size() ? v : 0];
+    lanes_[(1 + v) * lane_stride_ + p] = slot == kNone ? kNone : ids[v < ids.size() ? v : 0];
 }
 
 void KdopTree::find_blocks() {
@@ -178,15 +183,17 @@ void KdopTree::collect_degraded(Index node, int depth, double degradation) {
   collect_degraded(n.right, depth + 1, degradation);
 }
 
-void KdopTree::rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch, Executor& executor) {
+void KdopTree::rebuild(const Adjacency& adjacency, Degraded& degraded, const BoundsTable& vertices,
+                       BuildScratch& scratch, Executor& executor) {
   const Index node = degraded.node, begin = nodes_[node].begin, end = nodes_[node].end;
   degraded.depth = build_subtree({node, begin, end, degraded.depth}, vertices, scratch, executor);
-  fill_lanes(begin, end, executor);
+  fill_lanes(adjacency, begin, end, executor);
   refit_nodes(vertices, node, subtree_end(node));
   note_costs(node);
 }
 
-std::size_t KdopTree::restructure(double degradation, const BoundsTable& vertices, Executor& executor) {
+std::size_t KdopTree::restructure(const Step& step, double degradation, const BoundsTable& vertices,
+                                  Executor& executor) {
   if (built_elements_ == 0) return 0;
   degraded_.clear();
   collect_degraded(0, 0, degradation);
@@ -196,12 +203,12 @@ std::size_t KdopTree::restructure(double degradation, const BoundsTable& vertice
   const auto size = [&](const Degraded& d) { return nodes_[d.node].size(); };
   const auto small =
       std::partition(degraded_.begin(), degraded_.end(), [&](const Degraded& d) { return size(d) > kElementsPerTask; });
-  for (auto d = degraded_.begin(); d != small; ++d) rebuild(*d, vertices, scratch_[0], executor);
+  for (auto d = degraded_.begin(); d != small; ++d) rebuild(step.adjacency(), *d, vertices, scratch_[0], executor);
   const auto count = static_cast<std::size_t>(degraded_.end() - small);
   executor.parallel_for(count, 1, [&](std::size_t first, std::size_t last, unsigned worker) {
     SerialExecutor serial;
     for (std::size_t i = first; i < last; ++i)
-      rebuild(small[static_cast<std::ptrdiff_t>(i)], vertices, scratch_[worker], serial);
+      rebuild(step.adjacency(), small[static_cast<std::ptrdiff_t>(i)], vertices, scratch_[worker], serial);
   });
   std::size_t elements = 0;
   for (const Degraded& d : degraded_) {

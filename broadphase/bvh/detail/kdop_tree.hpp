@@ -17,6 +17,7 @@
 #include <volccd/broadphase/detail/swept_bounds.hpp>
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd::detail {
 
@@ -26,9 +27,9 @@ struct TreeCost {
   double nodes, elements;
 };
 
-/// Vertices and slots of the list in the layout of the leaf kernels: vertex v of the element at position p is ids[v *
-/// stride + p]. Elements with fewer vertices repeat a vertex; gaps have kNone as vertices and as slot. All rows may be
-/// read up to kPadding positions beyond the end.
+/// Slots of the list, and the vertices that decide what is adjacent, in the layout of the leaf kernels: vertex v of the
+/// element at position p is ids[v * stride + p]. Elements with fewer vertices repeat a vertex; gaps have kNone as
+/// vertices and as slot. All rows may be read up to kPadding positions beyond the end.
 struct LeafLanes {
   static constexpr std::size_t kPadding = 4;
 
@@ -42,28 +43,27 @@ class KdopTree {
  public:
   static constexpr int kMaxLeafSize = AdjacentLeaves::kMaskRow;
 
-  /// Builds a tree with bounds over all live elements. `vertices` are the bounds of the vertices
-  /// for this step.
-  void build(const Mesh& mesh, int leaf_size, const BoundsTable& vertices, Executor& executor);
+  /// Builds a tree with bounds over all live elements. `vertices` are the bounds of the vertices for this step.
+  void build(const Step& step, int leaf_size, const BoundsTable& vertices, Executor& executor);
 
   /// Removes and adds elements. `touched`: slots whose elements may have changed since the last call. Returns
   /// false if too many elements were removed or added since the last build; then build() must be called instead. Bounds
   /// become valid with the next refit().
-  bool edit(const Mesh& mesh, const std::vector<Index>& touched, const BoundsTable& vertices, Executor& executor);
+  bool edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices, Executor& executor);
 
   /// Updates the bounds for another step. Linear time in the number of elements.
   void refit(const BoundsTable& vertices, Executor& executor);
 
   /// Rebuilds in place, with bounds, the subtrees whose cost ratio exceeds `degradation` times their ratio after their
   /// last build. Returns the number of elements in them. To be called after refit().
-  std::size_t restructure(double degradation, const BoundsTable& vertices, Executor& executor);
+  std::size_t restructure(const Step& step, double degradation, const BoundsTable& vertices, Executor& executor);
 
   /// Frees the memory that only builds need, about 130 bytes for each element. For a tree that is rarely built.
   void free_scratch() { scratch_ = std::vector<BuildScratch>(1); }
 
   /// Updates adjacent_leaves(). They are empty after a build until this is called.
-  void find_adjacent_leaves(const Topology& topology, Executor& executor) {
-    adjacent_leaves_.update(list_, built_elements_, leaf_size_, topology, executor);
+  void find_adjacent_leaves(const Step& step, Executor& executor) {
+    adjacent_leaves_.update(list_, built_elements_, leaf_size_, step.adjacency(), step.mesh().vertex_count(), executor);
   }
 
   /// Sets the keys of all nodes.
@@ -98,15 +98,17 @@ class KdopTree {
     Index node;
     int depth;
   };
-  void add_tree(Index begin, const BoundsTable& vertices, Executor& executor);
+  void add_tree(const Adjacency& adjacency, Index begin, const BoundsTable& vertices, Executor& executor);
   int build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTable& vertices, BuildScratch& scratch,
                     Executor& executor);
-  void rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch, Executor& executor);
+  void rebuild(const Adjacency& adjacency, Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch,
+               Executor& executor);
   void refit_nodes(const BoundsTable& vertices, Index begin, Index end);
   void find_blocks();
-  void fill_lanes(std::size_t begin, std::size_t end, Executor& executor);
-  void fill_lane(std::size_t p);
-  void make_lanes(Executor& executor);
+  std::size_t max_ids(const Adjacency& adjacency, std::size_t begin) const;
+  void fill_lanes(const Adjacency& adjacency, std::size_t begin, std::size_t end, Executor& executor);
+  void fill_lane(const Adjacency& adjacency, std::size_t p);
+  void make_lanes(const Adjacency& adjacency, Executor& executor);
   void end_lanes();
   void note_costs(Index node);
   void collect_degraded(Index node, int depth, double degradation);

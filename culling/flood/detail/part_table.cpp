@@ -1,5 +1,7 @@
 #include <volccd/culling/flood/detail/part_table.hpp>
 
+#include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include <volccd/core/heap_bytes.hpp>
@@ -15,11 +17,13 @@ ElementSpec PartTable::spec_of(const Mesh& mesh, Index o, Kind kind) {
   return part;
 }
 
-std::array<Index, 4> PartTable::corners_of(const Mesh& mesh, Index o) {
-  const std::span<const Index> vertices = mesh.vertices(o);
-  std::array<Index, 4> corners;
-  std::fill(std::copy(vertices.begin(), vertices.end(), corners.begin()), corners.end(), vertices[0]);
-  return corners;
+/// Makes the simplices of these parts known to adjacency().
+void PartTable::set_adjacent(const Mesh& mesh, std::span<const Index> removed, std::span<const Index> added) {
+  std::vector<ElementSpec> simplices;
+  for (const Index part : added) simplices.push_back(spec_of(mesh, simplex_of_part_[part], kWhole));
+  const auto slots = static_cast<Index>(simplex_of_part_.size());
+  adjacency_.prepare(simplices, added, slots);
+  adjacency_.commit(removed, simplices, added, slots);
 }
 
 void PartTable::build(const Mesh& mesh, KindOf kind_of, Executor& executor) {
@@ -28,24 +32,27 @@ void PartTable::build(const Mesh& mesh, KindOf kind_of, Executor& executor) {
   kinds_.assign(mesh.element_slots(), kNoPart);
   part_of_simplex_.assign(mesh.element_slots(), kNone);
   simplex_of_part_.clear();
-  corners_.clear();
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.is_live(o) || (kinds_[o] = kind_of(o)) == kNoPart) continue;
     part_of_simplex_[o] = parts.add_element(spec_of(mesh, o, kinds_[o]));
     simplex_of_part_.push_back(o);
-    corners_.push_back(corners_of(mesh, o));
   }
   parts_.emplace(std::move(parts), executor, EdgeSet::none);
+  adjacency_ = Adjacency();
+  std::vector<Index> all(simplex_of_part_.size());
+  std::iota(all.begin(), all.end(), Index{0});
+  set_adjacent(mesh, {}, all);
 }
 
-/// Whether the part is in the table already, with the same vertices and the same object.
+/// Whether the part is in the table already, of the same simplex with the same object.
 bool PartTable::is_listed(const Mesh& mesh, Index o, Kind kind) const {
   if (kinds_[o] != kind) return false;
   if (kind == kNoPart) return true;
   const Index listed = part_of_simplex_[o];
   const ElementSpec part = spec_of(mesh, o, kind);
+  const std::span<const Index> simplex = mesh.vertices(o);
   return parts_->mesh().type(listed) == part.type && parts_->mesh().object(listed) == part.object &&
-         std::ranges::equal(parts_->mesh().vertices(listed), part.vertices);
+         std::equal(simplex.begin(), simplex.end(), adjacency_.vertices(listed).begin());
 }
 
 void PartTable::update(const Mesh& mesh, std::span<const Index> slots, KindOf kind_of) {
@@ -55,10 +62,7 @@ void PartTable::update(const Mesh& mesh, std::span<const Index> slots, KindOf ki
   edit.new_vertex_ids.assign(mesh.vertex_ids().begin() + parts_->mesh().vertex_count(), mesh.vertex_ids().end());
   for (const Index o : slots) {
     const Kind kind = mesh.is_live(o) ? kind_of(o) : kNoPart;
-    if (is_listed(mesh, o, kind)) {
-      if (kind != kNoPart) corners_[part_of_simplex_[o]] = corners_of(mesh, o);  // a face may be of another simplex now
-      continue;
-    }
+    if (is_listed(mesh, o, kind)) continue;
     if (part_of_simplex_[o] != kNone) edit.removed.push_back(std::exchange(part_of_simplex_[o], kNone));
     kinds_[o] = kind;
     if (kind != kNoPart) edit.added.push_back(spec_of(mesh, o, kind));
@@ -67,16 +71,15 @@ void PartTable::update(const Mesh& mesh, std::span<const Index> slots, KindOf ki
   const TopologyChange& change = parts_->apply(edit);
   for (const Index part : change.removed_elements) simplex_of_part_[part] = kNone;
   simplex_of_part_.resize(parts_->mesh().element_slots(), kNone);
-  corners_.resize(parts_->mesh().element_slots());
   for (const Index part : change.added_elements) {
     simplex_of_part_[part] = static_cast<Index>(parts_->mesh().element_id(part));
     part_of_simplex_[simplex_of_part_[part]] = part;
-    corners_[part] = corners_of(mesh, simplex_of_part_[part]);
   }
+  set_adjacent(mesh, change.removed_elements, change.added_elements);
 }
 
 std::size_t PartTable::bytes() const {
-  return (parts_ ? parts_->bytes() : 0) + heap_bytes(part_of_simplex_, simplex_of_part_, corners_, kinds_);
+  return (parts_ ? parts_->bytes() : 0) + heap_bytes(part_of_simplex_, simplex_of_part_, adjacency_, kinds_);
 }
 
 }  // namespace volccd::detail

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,7 +9,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/function_ref.hpp>
-#include <volccd/mesh/tables/share_id.hpp>
+#include <volccd/mesh/adjacency.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/query/pairs.hpp>
 
@@ -39,25 +38,24 @@ class PartTable {
   bool has_inside(Index o) const { return kinds_[o] != kWhole; }
   /// The vertices of the part of a simplex. Pre: has_part(o).
   std::span<const Index> part(Index o) const { return parts_->mesh().vertices(part_of_simplex_[o]); }
-  /// The simplices of two parts (slots of topology()), and whether these simplices have a common vertex.
+  /// Of the simplices of the parts: two parts without a common vertex may be those of adjacent simplices.
+  const Adjacency& adjacency() const { return adjacency_; }
+  /// The simplices of two parts (slots of topology()).
   ElementPair simplices(ElementPair parts) const {
     const Index a = simplex_of_part_[parts.a], b = simplex_of_part_[parts.b];
     return {std::min(a, b), std::max(a, b)};
-  }
-  bool simplices_adjacent(ElementPair parts) const {
-    return share_id<4>(corners_[parts.a].data(), corners_[parts.b].data());
   }
 
   std::size_t bytes() const;
 
  private:
   static ElementSpec spec_of(const Mesh& mesh, Index o, Kind kind);
-  static std::array<Index, 4> corners_of(const Mesh& mesh, Index o);
+  void set_adjacent(const Mesh& mesh, std::span<const Index> removed, std::span<const Index> added);
   bool is_listed(const Mesh& mesh, Index o, Kind kind) const;
 
   std::optional<Topology> parts_;
   std::vector<Index> part_of_simplex_, simplex_of_part_;  ///< by slot; kNone without
-  std::vector<std::array<Index, 4>> corners_;             ///< by slot of topology(): the vertices of the simplex
+  Adjacency adjacency_;                                   ///< by slot of topology(): the vertices of the simplex
   std::vector<Kind> kinds_;                               ///< by slot of the complex
 };
 

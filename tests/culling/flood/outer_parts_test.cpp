@@ -221,7 +221,7 @@ TEST(OuterParts, HaveTheObjectsOfTheirElements) {
   }
 }
 
-/// A face stays the part of a slot in which an edit replaces the simplex by another one with this face.
+/// In a slot in which an edit replaces the simplex by another one with the same face, the part is another element.
 TEST(PartTable, ComparesTheSimplicesThatAreThereNow) {
   Mesh tetrahedra;
   const std::vector<std::int64_t> ids{0, 1, 2, 3, 4, 5, 6, 7};
@@ -233,12 +233,13 @@ TEST(PartTable, ComparesTheSimplicesThatAreThereNow) {
   SerialExecutor serial;
   PartTable parts;
   parts.build(topology.mesh(), first_face, serial);
-  EXPECT_FALSE(parts.simplices_adjacent({0, 1}));
+  EXPECT_FALSE(parts.adjacency().adjacent(0, 1));
   const std::uint64_t version = parts.topology().version();
   topology.apply({.removed = {0}, .added = {{.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 7}, .id = 3}}});
   parts.update(topology.mesh(), std::vector<Index>{0}, first_face);
-  EXPECT_EQ(parts.topology().version(), version);
-  EXPECT_TRUE(parts.simplices_adjacent({0, 1}));
+  EXPECT_NE(parts.topology().version(), version);
+  EXPECT_TRUE(parts.adjacency().adjacent(0, 1));
+  EXPECT_FALSE(parts.topology().adjacency().adjacent(0, 1));
 }
 
 }  // namespace
