@@ -2,7 +2,7 @@
 """Draws the figures of docs/reproducing.md from the records of experiments; nothing is run or measured.
 
 Input: the records in a folder, EXPERIMENT.json as `volccd experiment run` writes them. Output: each figure as SVG,
-in which text remains text, and as PNG with 300 dots per inch. The same record gives the same SVG, byte for byte (with the same
+in which text remains text, and as PNG with 130 dots per inch. The same record gives the same SVG, byte for byte (with the same
 matplotlib).
 
   experiment   figures

@@ -21,8 +21,12 @@ class Report(ProgramTest):
                 file.write(name)
         cls.results = cls.path("results")
         os.mkdir(cls.results)
-        for name in ("plus", "scenes"):
-            shutil.copy(os.path.join(SOURCE, "results", name + ".json"), cls.results)
+        shutil.copy(os.path.join(SOURCE, "results", "scenes.json"), cls.results)
+        with open(os.path.join(SOURCE, "results", "plus.json"), encoding="utf-8") as file:
+            record = json.load(file)
+        record["rows"] = [row for row in record["rows"] if row["round"] == 0]  # all of them take seconds in each report
+        with open(os.path.join(cls.results, "plus.json"), "w", encoding="utf-8") as file:
+            json.dump(record, file)
 
     def environment(self, **more):
         return {"VOLCCD_PAGE": self.page, "VOLCCD_CACHE": self.path("cache"), "VOLCCD_DATA": self.path("none"), **more}
