@@ -11,10 +11,11 @@ set(kernels "^((BroadPhase|ElementCulling|FeatureFilter|NarrowPhase)Promises|Con
 string(CONCAT slow_sanitized
   "^(Harness|SameContacts|QueryMotion|Baselines|RanksExperiment|SubstepsExperiment|ScenesWithTools|Weld|SimulatedSolids)$"
   "|^(Tetrahedra|DeformOnSharedData|Verify|ReferenceContacts|QueryComparison|PeersExperiment|ThreadsStageObserver)$"
-  "|^InProcessDetector$")
+  "|^(InProcessDetector|Threads(Pipelines|BoundaryFlood|Workspace))$")
 # Single tests, by suite and name.
 string(CONCAT slow_sanitized_tests
   "^TopologyLoop\\.CutBlock|^OutOfMemory\\.AnEditThatBringsLargerElements"
+  "|^FloodClauses\\.BodiesInsideEachOtherOverManySteps$"
   "|^BoundaryFlood\\.FindsAllContacts(WithAnyElementCulling|OfMeshesMadeToBreakIt)$|^RatioInterval\\.Contains"
   "|^Workspace\\.ASteadyStepAllocatesNothing|^Pipelines\\.ScopesFollow|^SolidBending\\.CantileverOfHexahedra$"
   "|^TopologyLoop\\.BlocksThatHitHard|^ElementBreaking\\.WithinTheLoop")
