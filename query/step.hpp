@@ -35,9 +35,9 @@ struct Step {
   /// vertices takes that share of complete vertices, and of elements all of whose vertices are complete; results do not
   /// depend on it.
   std::span<const std::uint8_t> complete = {};
-
-  /// Which elements are adjacent; null: those with a common vertex. It has the slots of the topology, and changes only
-  /// with edits that remove or add the elements concerned.
+  /// Which elements are adjacent; null: those with a common vertex. Not null for a broad phase over parts of elements,
+  /// whose owner sets it (a pipeline sets null, whatever its caller has given). It has the slots of the topology, is
+  /// the same in all steps on it, and changes only with edits that remove or add the elements concerned.
   const Adjacency* adjacency_table = nullptr;
 
   const Adjacency& adjacency() const { return adjacency_table ? *adjacency_table : topology.adjacency(); }

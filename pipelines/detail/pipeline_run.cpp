@@ -27,6 +27,7 @@ class Pipeline::Run {
                      request.observer,          first_filter(),          request.candidates != nullptr},
         earliest_(request.query, step.t_max, pipeline.narrow_phase_->time_tolerance()) {
     step_.range = pipeline.range_;
+    step_.adjacency_table = nullptr;
   }
 
   void execute(StepResult& result, const Workspace& workspace) {

@@ -244,6 +244,29 @@ TEST(Pipelines, FirstIsTheEarliestReportedTime) {
   }
 }
 
+TEST(Pipelines, SetRangeAndAdjacencyWhateverTheirCallerHasGiven) {
+  const auto scenes = test::small_scenes(4, 0.3);
+  const Scene& scene = scenes.front();
+  const Mesh& mesh = scene.topology.mesh();
+  Mesh same;  // as many elements, all of which are adjacent
+  same.add_vertices(mesh.vertex_ids());
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    same.add_element({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}, .id = o});
+  const Topology adjacent(std::move(same));
+  SerialExecutor serial;
+  for (const char* name : {"VolCCD", "NavCCD"}) {
+    const Pipeline pipeline(registry(), registry().pipeline(name));
+    Workspace workspace = pipeline.make_workspace();
+    StepResult result;
+    Step step{scene.topology, scene.motion, kEverything};
+    step.range = std::string(name) == "VolCCD" ? PairRange::every : PairRange::nonadjacent;
+    step.adjacency_table = &adjacent.adjacency();
+    pipeline.run(step, workspace, serial, result);
+    EXPECT_GT(result.contacts.size(), 0u) << name;
+    EXPECT_EQ(result.contacts, run(registry().pipeline(name), scene).contacts) << name;
+  }
+}
+
 TEST(Pipelines, PairScopesPartitionTheContacts) {
   for (const Scene& scene : test::small_scenes(4, 0.3))
     for (const PipelineSpec& spec : registry().pipelines()) {

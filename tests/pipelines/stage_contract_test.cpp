@@ -59,6 +59,7 @@ void expect_step_of_prepare(const Step& step, const StageState& stage_state, con
   EXPECT_EQ(&step.filter, &state.step->filter) << role;
   EXPECT_EQ(step.separation, state.step->separation) << role;
   EXPECT_EQ(step.range, state.step->range) << role;
+  EXPECT_EQ(step.adjacency_table, state.step->adjacency_table) << role;
   EXPECT_LE(step.t_max, state.step->t_max) << role;
   EXPECT_EQ(step.topology.version(), state.version) << role;
   EXPECT_EQ(step.motion.point(0, 0), state.positions[0]) << role;

@@ -142,7 +142,7 @@ class Incomplete(ProgramTest):
 
     def test_a_sequence_cut_short_says_so(self):
         target = self.path("cut.vtkhdf")
-        cut = Interruption("scene", "generate", "builtin", "--elements", "3000", "--steps", "5000", "-o", target,
+        cut = Interruption("scene", "generate", "builtin", "--elements", "3000", "--steps", "500", "-o", target,
                            done=5)
         self.assertEqual(cut.code, 130, cut.screen)
         self.assertIn("are complete; interrupted", cut.screen)
@@ -150,8 +150,8 @@ class Incomplete(ProgramTest):
         done = run("detect", target, "--steps", "0")
         self.assertEqual(done.returncode, 0)
         self.assertRegex(done.stderr,
-                         r"cut.vtkhdf is incomplete: frames 0 to \d+ of 0 to 4999 are complete; interrupted")
-        self.assertRegex(info, r"INCOMPLETE frames 0 to \d+ of 0 to 4999 are complete; interrupted")
+                         r"cut.vtkhdf is incomplete: frames 0 to \d+ of 0 to 499 are complete; interrupted")
+        self.assertRegex(info, r"INCOMPLETE frames 0 to \d+ of 0 to 499 are complete; interrupted")
 
 
 if __name__ == "__main__":
