@@ -40,31 +40,9 @@ void fill_stage_statistics(Results& out, const StageStatistics& stage) {
 }
 
 void fill_statistics(Results& out, const Statistics& s) {
-  const auto count = [](auto n) { return static_cast<double>(n); };
   out.names.clear();
-  out.statistics = {{"list_steps", count(s.list_steps)},
-                    {"refreshed_steps", count(s.refreshed_steps)},
-                    {"reused_steps", count(s.reused_steps)},
-                    {"list_tests", count(s.list_tests)},
-                    {"list_budget", s.list_budget},
-                    {"list_seconds", s.list_seconds},
-                    {"element_pairs", count(s.element_pairs)},
-                    {"adjacent_pairs", count(s.adjacent_pairs)},
-                    {"surviving_pairs", count(s.surviving_pairs)},
-                    {"owned_tests", count(s.owned_tests)},
-                    {"orphan_tests", count(s.orphan_tests)},
-                    {"vf_tests", count(s.vf_tests)},
-                    {"ee_tests", count(s.ee_tests)},
-                    {"contacts", count(s.contacts)},
-                    {"contacts_at_start", count(s.contacts_at_start)},
-                    {"left_out", count(s.left_out)},
-                    {"initial_overlaps", count(s.initial_overlaps)},
-                    {"duplicates", count(s.duplicates)},
-                    {"degenerate", count(s.degenerate)},
-                    {"undecided", count(s.undecided)},
-                    {"earliest_toi", s.earliest_toi},
-                    {"seconds", s.seconds},
-                    {"workspace_bytes", count(s.workspace_bytes)}};
+  out.statistics.clear();
+  visit_values(s, [&](const char* name, auto value) { out.statistics.push_back({name, static_cast<double>(value)}); });
   for (const StageStatistics& stage : s.stages) fill_stage_statistics(out, stage);
 }
 

@@ -103,31 +103,11 @@ json to_json(const Statistics& s) {
                       {"seconds", stage.seconds},
                       {"counters", counters}});
   }
-  return {{"steps", s.steps},
-          {"list_steps", s.list_steps},
-          {"refreshed_steps", s.refreshed_steps},
-          {"reused_steps", s.reused_steps},
-          {"list_tests", s.list_tests},
-          {"list_budget", s.list_budget},
-          {"list_seconds", s.list_seconds},
-          {"element_pairs", s.element_pairs},
-          {"adjacent_pairs", s.adjacent_pairs},
-          {"surviving_pairs", s.surviving_pairs},
-          {"owned_tests", s.owned_tests},
-          {"orphan_tests", s.orphan_tests},
-          {"vf_tests", s.vf_tests},
-          {"ee_tests", s.ee_tests},
-          {"contacts", s.contacts},
-          {"contacts_at_start", s.contacts_at_start},
-          {"left_out", s.left_out},
-          {"initial_overlaps", s.initial_overlaps},
-          {"duplicates", s.duplicates},
-          {"degenerate", s.degenerate},
-          {"undecided", s.undecided},
-          {"earliest_toi", std::isfinite(s.earliest_toi) ? json(s.earliest_toi) : json(nullptr)},
-          {"seconds", s.seconds},
-          {"workspace_bytes", s.workspace_bytes},
-          {"stages", stages}};
+  json result;
+  visit_values(s, [&](const char* name, auto value) { result[name] = value; });
+  if (!std::isfinite(s.earliest_toi)) result["earliest_toi"] = nullptr;
+  result["stages"] = stages;
+  return result;
 }
 
 nlohmann::json read_json_file(const std::string& path) {

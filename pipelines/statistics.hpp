@@ -64,4 +64,34 @@ struct Statistics {
   Statistics& operator+=(const Statistics& other);
 };
 
+/// Calls visit(name, value) for each count and time but those of the stages; a value is a std::uint64_t or a double.
+/// The names are those in JSON, in Python and in C, and live as long as the program.
+template <class Visit>
+void visit_values(const Statistics& s, Visit&& visit) {
+  visit("steps", s.steps);
+  visit("list_steps", s.list_steps);
+  visit("refreshed_steps", s.refreshed_steps);
+  visit("reused_steps", s.reused_steps);
+  visit("list_tests", s.list_tests);
+  visit("list_budget", s.list_budget);
+  visit("list_seconds", s.list_seconds);
+  visit("element_pairs", s.element_pairs);
+  visit("adjacent_pairs", s.adjacent_pairs);
+  visit("surviving_pairs", s.surviving_pairs);
+  visit("owned_tests", s.owned_tests);
+  visit("orphan_tests", s.orphan_tests);
+  visit("vf_tests", s.vf_tests);
+  visit("ee_tests", s.ee_tests);
+  visit("contacts", s.contacts);
+  visit("contacts_at_start", s.contacts_at_start);
+  visit("left_out", s.left_out);
+  visit("initial_overlaps", s.initial_overlaps);
+  visit("duplicates", s.duplicates);
+  visit("degenerate", s.degenerate);
+  visit("undecided", s.undecided);
+  visit("earliest_toi", s.earliest_toi);
+  visit("seconds", s.seconds);
+  visit("workspace_bytes", s.workspace_bytes);
+}
+
 }  // namespace volccd

@@ -115,8 +115,10 @@ Change change_of(const std::map<int, Samples>& a, const std::map<int, Samples>& 
     if (there == b.end()) continue;
     const Samples& after = there->second;
     ++change.steps;
-    change.before += median(before.seconds), change.after += median(after.seconds);
-    change.spread_a += spread(before), change.spread_b += spread(after);
+    change.before += median(before.seconds);
+    change.after += median(after.seconds);
+    change.spread_a += spread(before);
+    change.spread_b += spread(after);
     change.same_counts &= before.tests == after.tests && before.contacts == after.contacts;
     change.single |= before.seconds.size() == 1 || after.seconds.size() == 1;
   }
@@ -146,7 +148,9 @@ void compare(const std::string& name, const Entrants& a, const Entrants& b, Reco
     if (change.steps == 0) continue;
     const bool slower = change.slower(), faster = change.faster();
     ++result.compared;
-    result.slower += slower, result.faster += faster, result.other_counts += !change.same_counts;
+    result.slower += slower;
+    result.faster += faster;
+    result.other_counts += !change.same_counts;
     result.single += change.single;
     if (!slower && !faster && change.same_counts) continue;
     const auto ms = [&](double seconds) { return number_text(1e3 * seconds / double(change.steps)); };

@@ -135,30 +135,7 @@ py::array pairs_copy(const std::vector<ElementPair>& pairs) {
 
 py::dict statistics_dict(const Statistics& s) {
   py::dict d;
-  d["steps"] = s.steps;
-  d["list_steps"] = s.list_steps;
-  d["refreshed_steps"] = s.refreshed_steps;
-  d["reused_steps"] = s.reused_steps;
-  d["list_tests"] = s.list_tests;
-  d["list_budget"] = s.list_budget;
-  d["list_seconds"] = s.list_seconds;
-  d["element_pairs"] = s.element_pairs;
-  d["adjacent_pairs"] = s.adjacent_pairs;
-  d["surviving_pairs"] = s.surviving_pairs;
-  d["owned_tests"] = s.owned_tests;
-  d["orphan_tests"] = s.orphan_tests;
-  d["vf_tests"] = s.vf_tests;
-  d["ee_tests"] = s.ee_tests;
-  d["contacts"] = s.contacts;
-  d["contacts_at_start"] = s.contacts_at_start;
-  d["left_out"] = s.left_out;
-  d["initial_overlaps"] = s.initial_overlaps;
-  d["duplicates"] = s.duplicates;
-  d["degenerate"] = s.degenerate;
-  d["undecided"] = s.undecided;
-  d["earliest_toi"] = s.earliest_toi;
-  d["seconds"] = s.seconds;
-  d["workspace_bytes"] = s.workspace_bytes;
+  visit_values(s, [&](const char* name, auto value) { d[name] = value; });
   d["stages"] = stage_table(s.stages);
   return d;
 }
