@@ -100,7 +100,7 @@ class HowTo(ProgramTest):
         # All figures take half a minute; the second command is the same for two of them.
         self.assertTrue(commands[1].startswith(commands[0] + " --only"), commands)
         self.check(folder, commands[1])
-        self.assertTrue(os.path.exists(os.path.join(folder, "build/figures/speedup.svg")))
+        self.assertTrue(os.path.exists(os.path.join(folder, "build/figures/culling.svg")))
 
     def test_messages_are_those_of_the_program(self):
         folder = self.new_folder("trouble")
