@@ -175,10 +175,9 @@ void finish(ReportFolder& folder, const PageOptions& options, json report) {
 int write_report(const PageOptions& options, const Registry& registry) {
   const InterruptGuard guard;
   pipeline_of(options, registry);  // an unknown pipeline is an error before anything is written
-  const json records = records_of(options.input);
+  const auto [records, points] = data_of_records(options.input);
   const std::vector<RecordedInput> inputs = inputs_of(records);
   ReportFolder folder(options.output);
-  const json points = points_of(options.input);
   const std::size_t text = records.dump().size() + points.dump().size() + 1'000'000,
                     all = static_cast<std::size_t>(options.megabytes * 1e6);
   json scenes = json::array();

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/median.hpp>
 #include <volccd/experiments/records/record_file.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
@@ -56,9 +57,7 @@ json curves_of_rows(const json& rows) {
   return curves;
 }
 
-json harness_record(const ExperimentKind& kind, const std::string& folder) {
-  const std::string file = file_in(folder, kind.name);
-  const json record = read_record(file);
+json harness_record(const ExperimentKind& kind, const std::string& folder, const json& record) {
   json tables = json::array();
   for (const TitledTable& table : kind.tables(record)) tables.push_back(table_json(table));
   json provenance = record.value("provenance", json::object());
@@ -66,7 +65,7 @@ json harness_record(const ExperimentKind& kind, const std::string& folder) {
   const std::string setting = provenance.value("setting", "quick"), options = provenance.value("options", "");
   return {{"name", kind.name},
           {"description", kind.description},
-          {"file", file},
+          {"file", file_in(folder, kind.name)},
           {"command", fmt::format("volccd experiment run {} --{} --threads {} {}-o {}", kind.name, setting,
                                   provenance.value("threads", 1), options.empty() ? "" : options + " ", folder)},
           {"row_count", record.at("rows").size()},
@@ -123,12 +122,6 @@ constexpr const char* kCounts[] = {"elements",    "element_pairs",     "adjacent
 double number(const json& row, const std::string& column) {
   const auto at = row.find(column);
   return at != row.end() && at->is_number() ? at->get<double>() : 0;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
 /// Six significant digits, so that the page stays small.
@@ -194,26 +187,23 @@ class Points {
 
 }  // namespace
 
-json records_of(const std::string& folder) {
+RecordData data_of_records(const std::string& folder) {
   json records = json::array();
-  for (const ExperimentKind& kind : experiment_kinds())
-    if (fs::exists(file_in(folder, kind.name))) records.push_back(harness_record(kind, folder));
+  Points points;
+  for (const ExperimentKind& kind : experiment_kinds()) {
+    const std::string file = file_in(folder, kind.name);
+    if (!fs::exists(file)) continue;
+    const json record = read_record(file);
+    records.push_back(harness_record(kind, folder, record));
+    points.add(kind.name, record.at("rows"));
+  }
   for (const SceneRecordKind& kind : kSceneRecords)
     if (fs::exists(file_in(folder, kind.name))) records.push_back(scene_list_record(kind, folder));
   if (records.empty())
     throw InputError(folder, "",
                      "has no record of an experiment (NAME.json); `volccd experiment run NAME -o FOLDER` writes one, "
                      "`volccd experiment list` has the names");
-  return records;
-}
-
-json points_of(const std::string& folder) {
-  Points points;
-  for (const ExperimentKind& kind : experiment_kinds()) {
-    const std::string file = file_in(folder, kind.name);
-    if (fs::exists(file)) points.add(kind.name, read_record(file).at("rows"));
-  }
-  return points.build();
+  return {std::move(records), points.build()};
 }
 
 std::vector<RecordedInput> inputs_of(const json& records) {

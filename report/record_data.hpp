@@ -8,19 +8,22 @@
 
 namespace volccd {
 
-/// The data of all records in the folder that belong to an experiment, in the order of `volccd experiment list`:
-/// {"name", "description", "file", "command", "provenance", "tables": [{"title", "note", "header", "rows"}], "summary",
-/// "curves"}. The provenance is that of the record, without the plan. "command" repeats the measurement. A record of
-/// simulated scenes has a provenance for each scene, and "curves": values of its steps over time.
-///
-/// Throws InputError for a folder without such records, and for a record that cannot be read.
-nlohmann::json records_of(const std::string& folder);
+/// Of all records in a folder that belong to an experiment.
+struct RecordData {
+  /// In the order of `volccd experiment list`: {"name", "description", "file", "command", "provenance", "tables":
+  /// [{"title", "note", "header", "rows"}], "summary", "curves"}. The provenance is that of the record, without the
+  /// plan. "command" repeats the measurement. A record of simulated scenes has a provenance for each scene, and
+  /// "curves": values of its steps over time.
+  nlohmann::json records;
+  /// Rows in long form, {"columns": {name: [values]}}: one for each record, table, scene, pipeline, variant, treatment
+  /// of elements and step, with the number of rounds, the median time over rounds, the least and the greatest one, and
+  /// medians of stage times and counts. Texts are indices into "texts". Only rows with a pipeline and a motion are
+  /// used, which are those of the harness.
+  nlohmann::json points;
+};
 
-/// Rows of the records in long form, {"columns": {name: [values]}}: one for each record, table, scene, pipeline,
-/// variant, treatment of elements and step, with the number of rounds, the median time over rounds, the least and the
-/// greatest one, and medians of stage times and counts. Texts are indices into "texts". Only rows with a pipeline and a
-/// motion are used, which are those of the harness.
-nlohmann::json points_of(const std::string& folder);
+/// Throws InputError for a folder without such records, and for a record that cannot be read.
+RecordData data_of_records(const std::string& folder);
 
 /// A file that records name as the sequence of a scene.
 struct RecordedInput {

@@ -1,6 +1,6 @@
 # The labels of tests in C++, by the names of suites: the one place that says what a name means. CTest reads this file
 # after the lists of tests that the programs have printed. Other tests get labels where they are added; these have `tree`
-# (of the sources), `program`, `package`, and `long`, too.
+# (of the sources), `program`, `package`, `nightly` (.ci/nightly only), and `long`, too.
 #   long            left out of `scripts/test --quick` and by sanitizers: the same code on more data
 #   threads         runs under the thread sanitizer, with a std::thread executor
 #   kernels         depends on the instruction set: runs for EMU128 as well
@@ -10,15 +10,17 @@ set(threads "Threads")
 set(kernels "^((BroadPhase|ElementCulling|FeatureFilter|NarrowPhase)Promises|ContactHashes)$")
 string(CONCAT slow_sanitized
   "^(Harness|SameContacts|QueryMotion|Baselines|RanksExperiment|SubstepsExperiment|ScenesWithTools|Weld|SimulatedSolids)$"
-  "|^(Tetrahedra|DeformOnSharedData|Verify|ReferenceContacts|QueryComparison|PeersExperiment|ThreadsStageObserver)$"
-  "|^(InProcessDetector|Threads(Pipelines|BoundaryFlood|Workspace))$")
+  "|^(Tetrahedra|DeformOnSharedData|Verify|ReferenceContacts|QueryComparison|PeersExperiment)$"
+  "|^(InProcessDetector|StageContract|StageObserver|Threads(Pipelines|BoundaryFlood|Workspace|StageObserver))$")
 # Single tests, by suite and name.
 string(CONCAT slow_sanitized_tests
   "^TopologyLoop\\.CutBlock|^OutOfMemory\\.AnEditThatBringsLargerElements"
   "|^FloodClauses\\.BodiesInsideEachOtherOverManySteps$"
   "|^BoundaryFlood\\.FindsAllContacts(WithAnyElementCulling|OfMeshesMadeToBreakIt)$|^RatioInterval\\.Contains"
   "|^Workspace\\.ASteadyStepAllocatesNothing|^Pipelines\\.ScopesFollow|^SolidBending\\.CantileverOfHexahedra$"
-  "|^TopologyLoop\\.BlocksThatHitHard|^ElementBreaking\\.WithinTheLoop")
+  "|^TopologyLoop\\.BlocksThatHitHard|^ElementBreaking\\.WithinTheLoop"
+  "|^Statistics\\.ContactsAtTheStartAreCounted$|^SequenceStepper\\.ProjectileEqualsFreshTopologies$"
+  "|^RegionFilter\\.EachTestIsKeptOnceByARankThatHoldsItsElements$|^Pipelines\\.FirstIsTheEarliestOfAll$")
 
 foreach(program IN LISTS programs)
   foreach(test IN LISTS ${program}_TESTS)

@@ -37,7 +37,7 @@ class Resampler {
   double median_of(const std::vector<double>& rounds) {
     drawn_.clear();
     for (std::size_t i = 0; i < rounds.size(); ++i) drawn_.push_back(rounds[below(rounds.size())]);
-    return median(drawn_);
+    return sort_to_median(drawn_);
   }
 
   double ratio(const std::vector<StepTimes>& steps) {

@@ -177,7 +177,7 @@ class Program(unittest.TestCase):
 
     def test_ctrl_c_ends_all_ranks_and_leaves_no_file(self):
         long = self.path("long.vtkhdf")
-        made = run(VOLCCD, "scene", "generate", "builtin", "--elements", "20000", "--steps", "60", "-o", long)
+        made = run(VOLCCD, "scene", "generate", "builtin", "--elements", "6000", "--steps", "60", "-o", long)
         self.assertEqual(made.returncode, 0, made.stderr)
         self.addCleanup(os.remove, long)
         contacts = self.path("contacts.csv")

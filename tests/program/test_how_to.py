@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import unittest
 
-from program_support import EXAMPLE, SOURCE, VOLCCD, ProgramTest
+from program_support import EXAMPLE, SOURCE, VOLCCD, ProgramTest, copy_results
 
 
 def page(name):
@@ -64,7 +64,7 @@ class HowTo(ProgramTest):
         folder = self.path("pages")
         os.makedirs(os.path.join(folder, "build"))
         for results in ("results", "build/results", "build/tables"):
-            shutil.copytree(os.path.join(SOURCE, "results"), os.path.join(folder, results))
+            copy_results(os.path.join(folder, results))
         self.good("scene", "generate", "builtin", "--elements", "300", "--steps", "61", "-o",
                   os.path.join(folder, "run.vtkhdf"))
         with_queries = self.new_folder("with-queries")  # and with velocities

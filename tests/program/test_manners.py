@@ -12,7 +12,7 @@ import subprocess
 import termios
 import unittest
 
-from program_support import SOURCE, VOLCCD, ProgramTest, run
+from program_support import SOURCE, VOLCCD, ProgramTest, copy_results, run
 
 WIDTH = 100
 
@@ -150,7 +150,8 @@ class Manners(ProgramTest):
 
     def test_what_experiments_and_reports_print_fits(self):
         none = {"VOLCCD_DATA": "none", "VOLCCD_CACHE": self.path("no-cache")}
-        results, records = self.path("results"), os.path.join(SOURCE, "results")
+        results, records = self.path("results"), self.path("records")
+        copy_results(records)
         for arguments in (["experiment", "run", "projectile", "--quick", "-o", results],
                           *(["experiment", "table", name, "--results", records]
                             for name in ("table1", "culling", "ablation", "scaling", "operations", "peers", "plus",

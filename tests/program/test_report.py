@@ -7,7 +7,7 @@ import re
 import shutil
 import unittest
 
-from program_support import SOURCE, Interruption, run, ProgramTest
+from program_support import Interruption, copy_results, run, ProgramTest
 
 
 class Report(ProgramTest):
@@ -21,12 +21,9 @@ class Report(ProgramTest):
                 file.write(name)
         cls.results = cls.path("results")
         os.mkdir(cls.results)
-        shutil.copy(os.path.join(SOURCE, "results", "scenes.json"), cls.results)
-        with open(os.path.join(SOURCE, "results", "plus.json"), encoding="utf-8") as file:
-            record = json.load(file)
-        record["rows"] = [row for row in record["rows"] if row["round"] == 0]  # all of them take seconds in each report
-        with open(os.path.join(cls.results, "plus.json"), "w", encoding="utf-8") as file:
-            json.dump(record, file)
+        copy_results(cls.path("all-results"))
+        for name in ("plus.json", "scenes.json"):
+            shutil.copy(os.path.join(cls.path("all-results"), name), cls.results)
 
     def environment(self, **more):
         return {"VOLCCD_PAGE": self.page, "VOLCCD_CACHE": self.path("cache"), "VOLCCD_DATA": self.path("none"), **more}

@@ -16,7 +16,7 @@ namespace {
 using nlohmann::json;
 
 TEST(ReportRecords, TablesAndProvenanceOfTheKeptResults) {
-  const json records = records_of(VOLCCD_SOURCE_DIR "/results");
+  const auto [records, points] = data_of_records(VOLCCD_SOURCE_DIR "/results");
   std::set<std::string> names;
   for (const json& record : records) {
     names.insert(record.at("name").get<std::string>());
@@ -34,6 +34,11 @@ TEST(ReportRecords, TablesAndProvenanceOfTheKeptResults) {
   for (const RecordedInput& input : inputs_of(records))
     octopi = octopi || (input.scene == "octopi" && input.fnv1a.size() == 16 && !input.records.empty());
   EXPECT_TRUE(octopi);
+  std::set<std::string> with_points;
+  for (const json& record : points.at("columns").at("record"))
+    with_points.insert(points.at("texts")[record.get<std::size_t>()].get<std::string>());
+  EXPECT_EQ(1u, with_points.count("plus"));
+  EXPECT_EQ(0u, with_points.count("operations")) << "no rows of the harness";
 }
 
 TEST(ReportRecords, PointsAreMediansOverRounds) {
@@ -41,7 +46,9 @@ TEST(ReportRecords, PointsAreMediansOverRounds) {
   json rows = json::array();
   for (const double seconds : {0.5, 0.1, 0.3})
     for (const int motion : {4, 5})
-      rows.push_back({{"pipeline", "P"},
+      rows.push_back({{"table", ""},
+                      {"motion_model", "linear"},
+                      {"pipeline", "P"},
                       {"scene", "s"},
                       {"motion", motion},
                       {"seconds", seconds * motion},
@@ -50,9 +57,8 @@ TEST(ReportRecords, PointsAreMediansOverRounds) {
                       {"narrow_phase_run_s", 0.5},
                       {"threads", 1},
                       {"elements", 10}});
-  rows.push_back({{"operation", "of another form"}});
   std::ofstream(folder / "plus.json") << json{{"experiment", "plus"}, {"schema", 1}, {"rows", rows}};
-  const json points = points_of(folder / "");
+  const json points = data_of_records(folder / "").points;
   const json& columns = points.at("columns");
   ASSERT_EQ(2u, columns.at("seconds").size());
   EXPECT_EQ(1.2, columns.at("seconds")[0]);
@@ -66,7 +72,7 @@ TEST(ReportRecords, PointsAreMediansOverRounds) {
 TEST(ReportRecords, AFolderWithoutRecordsIsAnError) {
   const test::ScratchFolder folder;
   try {
-    records_of(folder / "");
+    data_of_records(folder / "");
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string::npos, std::string(error.what()).find("volccd experiment run"));
