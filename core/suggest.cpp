@@ -67,4 +67,10 @@ std::string did_you_mean(std::string_view text, std::string_view known) {
   return did_you_mean(text, names);
 }
 
+std::string none_of(std::string_view text, const std::vector<std::string>& known) {
+  std::string all;
+  for (const std::string& name : known) all += (all.empty() ? "" : ", ") + name;
+  return "'" + std::string(text) + "' is none of " + all + did_you_mean(text, known);
+}
+
 }  // namespace volccd

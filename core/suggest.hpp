@@ -21,4 +21,7 @@ std::string did_you_mean(std::string_view text, const std::vector<std::string>& 
 /// The same with names separated by ", " or "|".
 std::string did_you_mean(std::string_view text, std::string_view known);
 
+/// "'VolCD' is none of VolCCD, NavCCD; did you mean 'VolCCD'?"
+std::string none_of(std::string_view text, const std::vector<std::string>& known);
+
 }  // namespace volccd

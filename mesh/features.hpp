@@ -14,6 +14,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
+#include <volccd/core/named_values.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 #include <volccd/mesh/tables/raw_vector.hpp>
@@ -49,6 +50,9 @@ struct TupleFeatures {
 }  // namespace detail
 
 enum class EdgeSet { triangulated, polytope, none };
+constexpr std::array<NamedValue<EdgeSet>, 2> names_of(EdgeSet) {
+  return {{{"triangulated", EdgeSet::triangulated}, {"polytope", EdgeSet::polytope}}};
+}
 
 /// The features that an edit changes. Each list is ascending and contains no slot twice.
 struct FeatureChange {

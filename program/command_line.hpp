@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <volccd/core/named_values.hpp>
 #include <volccd/program/commands.hpp>
 
 namespace volccd {
@@ -15,6 +16,16 @@ void use_help_formatter(CLI::App& app);
 
 /// A check that accepts the `choices`; otherwise the message of a ConfigError with similar names.
 CLI::Validator one_of(std::vector<std::string> choices);
+
+/// An option with one of the named values of an enumeration. The present value is the default.
+template <class E>
+CLI::Option* add_choice(CLI::App& command, const std::string& option, E& value, const std::string& help) {
+  return command
+      .add_option_function<std::string>(
+          option, [option, &value](const std::string& name) { value = value_named<E>(name, option); }, help)
+      ->check(one_of(all_names<E>()))
+      ->default_str(name_of(value));
+}
 
 /// Accepts finite numbers that are at least `min`; the message says so.
 CLI::Validator at_least(double min);

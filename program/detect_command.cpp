@@ -84,7 +84,7 @@ class Detection {
         runner_(Pipeline(registry, options.spec(registry)),
                 {.executor = executor_.get(), .filter = options.query.filter(), .lists = options.list_config()}),
         reader_(options.sequence.file),
-        stepper_(reader_, options.sequence.stepper()),
+        stepper_(reader_, options.sequence.config),
         range_(parse_steps(options.sequence.steps, stepper_.step_count(), options.sequence.file)),
         request_(options.request()) {
     if (options.ranks)
@@ -266,7 +266,7 @@ class Detection {
   std::string part_name(std::int64_t part) const {
     const auto& names = reader_.metadata().part_names;
     const auto found = names.find(static_cast<std::int32_t>(part));
-    if (options_.sequence.parts != "stored" || found == names.end() || found->second.empty())
+    if (options_.sequence.config.objects != ObjectModel::stored || found == names.end() || found->second.empty())
       return std::to_string(part);
     return fmt::format("{} {}", part, found->second.substr(0, 24));
   }
@@ -324,13 +324,13 @@ class Detection {
             {"stopped_by", done.complete() ? nlohmann::json(nullptr) : nlohmann::json(done.stopped_by)},
             {"query", options_.first ? "first" : "all"},
             {"initial_overlaps", request_.initial_overlaps},
-            {"pairs", options_.query.pairs},
-            {"parts", options_.sequence.parts},
+            {"pairs", name_of(options_.query.pairs)},
+            {"parts", name_of(options_.sequence.config.objects)},
             {"separation", options_.query.separation_in(stepper_)},
-            {"shells", options_.sequence.shells},
+            {"shells", name_of(options_.sequence.config.shells)},
             {"shell_neighbours", request_.leave_out_shell_neighbours ? "leave-out" : "keep"},
-            {"edges", options_.sequence.edges},
-            {"motion", options_.sequence.motion},
+            {"edges", name_of(options_.sequence.config.edge_set)},
+            {"motion", name_of(options_.sequence.config.motion)},
             {"substeps", options_.substeps},
             {"ranks", ranks_ ? rank_json(rank_sums_) : nlohmann::json(nullptr)},
             {"threads", executor_->workers()},

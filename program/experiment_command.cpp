@@ -81,6 +81,7 @@ int compare(const CompareOptions& options) {
                                       {"slower", result.slower},
                                       {"faster", result.faster},
                                       {"other_counts", result.other_counts},
+                                      {"drifts", result.drifts},
                                       {"single", result.single},
                                       {"only_on_one_side", result.only_on_one_side},
                                       {"without_times", result.without_times},
@@ -88,6 +89,11 @@ int compare(const CompareOptions& options) {
   if (result.slower + result.faster + result.other_counts > 0) report.print("{}\n", result.table.text(report.width()));
   report.print("{} compared: {} slower, {} faster beyond the tolerance, {} with other counts\n", result.compared,
                result.slower, result.faster, result.other_counts);
+  if (!result.drifts.empty())
+    report.print(
+        "all pipelines of a scene together: {:.2f} to {:.2f} times the time, which is neither slower nor faster\n"
+        "(`scripts/benchmark-guard` tells whether it is the machine or what they share)\n",
+        result.drifts.front(), result.drifts.back());
   if (result.single > 0)
     report.print("{} with a single round: their tolerance is {:.0f} %\n", result.single, 100 * kMaxTimeTolerance);
   if (!result.without_times.empty())
@@ -118,8 +124,10 @@ void add_compare_command(CLI::App& command, Action& action) {
   compare_command->add_option("B", options->b, "folder of the later records")->required();
   compare_command->footer(
       "Exit code 1 if anything is slower by more than its tolerance, if counts differ, or if one folder alone has a "
-      "record, an entrant or a step. The tolerance is the spread of the rounds, at least 3 % and at most 25 %; with a "
-      "single round it is 25 %.\n"
+      "record, an entrant or a step. A time is compared with the median of all pipelines on the same scene (\"of "
+      "all\"), "
+      "because machines change their speed. The tolerance is the spread of the rounds, at least 3 % and at most 25 %; "
+      "with a single round it is 25 %.\n"
       "Example:\n  volccd experiment compare results/ build/results/");
   options->report.add_to(*compare_command);
   compare_command->callback([options, &action] { action = [options] { return compare(*options); }; });

@@ -183,7 +183,7 @@ struct FirstFrame {
 
 /// Reads all steps and adds, for each, a row to the text table and an entry to `motions`.
 StepsDone read_steps(const InfoOptions& options, SequenceReader& reader, TextTable& table, nlohmann::json& motions) {
-  SequenceStepper stepper(reader, options.sequence.stepper());
+  SequenceStepper stepper(reader, options.sequence.config);
   const StepRange range = parse_steps(options.sequence.steps, stepper.step_count(), options.sequence.file);
   return run_steps("reading", range, [&](int k) {
     stepper.go_to(k);
@@ -209,7 +209,7 @@ int info(const InfoOptions& options) {
   nlohmann::json document = header_json(reader);
   print_header(report, reader);
   {
-    const FirstFrame first(reader, options.sequence.stepper());
+    const FirstFrame first(reader, options.sequence.config);
     print_mesh(report, reader, *first.topology, first.named);
     document["step_0"] = mesh_json(reader, *first.topology, first.named);
   }

@@ -22,7 +22,7 @@ namespace {
 
 struct PictureOptions {
   std::vector<std::string> files, contact_files, captions;
-  std::string frames = "0", output, size = "1600", view = "iso", up = "z", shells = "surface", box;
+  std::string frames = "0", output, size = "1600", view = "iso", up = "z", box;
   bool no_lines = false;
   PictureConfig config;
   ReportOptions report;
@@ -84,7 +84,6 @@ int draw_picture(const PictureOptions& options) {
   config.height = size.size() == 2 ? size[1] : 0;
   parse_view(options.view, config.view);
   config.view.up = options.up[0];
-  config.shells = options.shells == "solid" ? ShellModel::solid : ShellModel::surface;
   config.render.lines = !options.no_lines;
   if (!options.box.empty()) {
     const std::vector<double> box = parse_list<double>("--box", options.box, ',', "X0,X1,Y0,Y1,Z0,Z1");
@@ -157,9 +156,7 @@ void add_picture_content(CLI::App& command, PictureOptions& options) {
                   "remove the viewer's side of a plane: y=1.5, or y=50% (the middle); may be repeated")
       ->type_name("AXIS=VALUE")
       ->allow_extra_args(false);
-  command.add_option("--shells", options.shells, "triangles and quads as surfaces, or thickened by their thickness")
-      ->check(one_of({"surface", "solid"}))
-      ->capture_default_str();
+  add_choice(command, "--shells", config.shells, "triangles and quads as surfaces, or thickened by their thickness");
   command.add_flag("--contacts,!--no-contacts", config.contacts,
                    "mark the contacts of step K, from frame K to K+1 (the default)");
   command

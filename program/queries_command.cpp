@@ -58,7 +58,7 @@ void compare_on_step(const QueriesOptions& options, const Registry& registry, in
                      QueryRecord& record) {
   QuerySourceConfig source = options.source;
   source.step = step;
-  source.stepper = options.sequence.stepper();
+  source.stepper = options.sequence.config;
   source.check = InterruptGuard::check;
   std::vector<KnownQueries> groups = load_queries(options.sequence.file, source);
   if (!options.judge.empty())

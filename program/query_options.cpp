@@ -75,46 +75,23 @@ void SequenceOptions::add_to(CLI::App& command) {
   command.add_option("FILE", file, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");
   command.add_option("--steps", steps, "steps k with A <= k < B, from frame k to frame k+1; K alone: one step")
       ->type_name("A:B");
-  command.add_option("--shells", shells, "triangles and quads as surfaces, or thickened by their thickness")
-      ->check(one_of({"surface", "solid"}))
-      ->capture_default_str();
-  command.add_option("--edges", edges, "with the diagonals of faces (complete), or without (the paper's counts)")
-      ->check(one_of({"triangulated", "polytope"}))
-      ->capture_default_str();
-  command
-      .add_option("--motion", motion,
-                  "linear: straight lines to the next frame; quadratic: constant acceleration, from stored velocities "
-                  "or else from three frames; tentative: to x + h v, with the velocities and the cells of the first "
-                  "frame; query: the last query of the simulation, if the file has it")
-      ->check(one_of({"linear", "quadratic", "tentative", "query"}))
-      ->capture_default_str();
+  add_choice(command, "--shells", config.shells, "triangles and quads as surfaces, or thickened by their thickness");
+  add_choice(command, "--edges", config.edge_set,
+             "with the diagonals of faces (complete), or without (the paper's counts)");
+  add_choice(command, "--motion", config.motion,
+             "linear: straight lines to the next frame; quadratic: constant acceleration, from stored velocities "
+             "or else from three frames; tentative: to x + h v, with the velocities and the cells of the first "
+             "frame; query: the last query of the simulation, if the file has it");
 }
 
 void SequenceOptions::add_parts_to(CLI::App& command) {
-  command
-      .add_option("--parts", parts,
-                  "objects are those that the file stores (PartId), or connected components (cells that share a vertex "
-                  "at any frame belong to one object)")
-      ->check(one_of({"stored", "components"}))
-      ->capture_default_str();
-}
-
-SequenceStepper::Config SequenceOptions::stepper() const {
-  SequenceStepper::Config config;
-  config.edge_set = edges == "polytope" ? EdgeSet::polytope : EdgeSet::triangulated;
-  config.shells = shells == "solid" ? ShellModel::solid : ShellModel::surface;
-  config.motion = motion == "quadratic"   ? MotionModel::quadratic
-                  : motion == "tentative" ? MotionModel::tentative
-                  : motion == "query"     ? MotionModel::query
-                                          : MotionModel::linear;
-  config.objects = parts == "components" ? ObjectModel::components : ObjectModel::stored;
-  return config;
+  add_choice(command, "--parts", config.objects,
+             "objects are those that the file stores (PartId), or connected components (cells that share a vertex "
+             "at any frame belong to one object)");
 }
 
 void QueryOptions::add_to(CLI::App& command) {
-  command.add_option("--pairs", pairs, "contacts of all pairs, between objects, or within objects")
-      ->check(one_of({"all", "inter", "intra"}))
-      ->capture_default_str();
+  add_choice(command, "--pairs", pairs, "contacts of all pairs, between objects, or within objects");
   command
       .add_option("--separation", separation,
                   "distance at which features are in contact; at most the diagonal of the box around the scene; "
@@ -130,14 +107,10 @@ void QueryOptions::add_to(CLI::App& command) {
 }
 
 bool QueryOptions::leaves_out_shell_neighbours(const SequenceOptions& sequence) const {
-  const bool solid = sequence.shells == "solid";
+  const bool solid = sequence.config.shells == ShellModel::solid;
   if (shell_neighbours == "leave-out" && !solid)
     throw ConfigError("--shell-neighbours: leave-out is for thickened shells: add --shells solid");
   return solid && shell_neighbours != "keep";
-}
-
-ObjectFilter QueryOptions::filter() const {
-  return ObjectFilter(pairs == "inter" ? PairScope::inter : pairs == "intra" ? PairScope::intra : PairScope::all);
 }
 
 void QueryOptions::check(const SequenceStepper& stepper) const {
@@ -147,7 +120,7 @@ void QueryOptions::check(const SequenceStepper& stepper) const {
         fmt::format("--separation: {:g} is greater than the diagonal {:g} of the box around the scene in step {}: "
                     "all features would be in contact",
                     separation_in(stepper), diagonal, stepper.current()));
-  if (pairs != "inter") return;
+  if (pairs != PairScope::inter) return;
   if (const std::optional<std::int32_t> object = only_object(stepper.topology().mesh()))
     fmt::print(stderr,
                "volccd: warning: all elements of step {} belong to object {}, so there are no pairs between objects; "

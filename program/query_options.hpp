@@ -30,21 +30,22 @@ void add_threads_option(CLI::App& command, unsigned& threads, const std::string&
 
 /// Options of what is read: --steps, --shells, --edges, --motion; --parts.
 struct SequenceOptions {
-  std::string file, steps, shells = "surface", edges = "triangulated", motion = "linear", parts = "stored";
+  std::string file, steps;
+  SequenceStepper::Config config;
 
   void add_to(CLI::App& command);
   void add_parts_to(CLI::App& command);
-  SequenceStepper::Config stepper() const;
 };
 
 /// Options of the query: --pairs, --separation, --shell-neighbours, --threads.
 struct QueryOptions {
-  std::string pairs = "all", shell_neighbours;
+  PairScope pairs = PairScope::all;
+  std::string shell_neighbours;
   std::optional<double> separation;
   unsigned threads = 0;
 
   void add_to(CLI::App& command);
-  ObjectFilter filter() const;
+  ObjectFilter filter() const { return ObjectFilter(pairs); }
   /// Whether contacts of shell neighbours are left out (Request): as the option says; by default, for thickened
   /// shells. Throws ConfigError if the option requires it for shells that are not thickened.
   bool leaves_out_shell_neighbours(const SequenceOptions& sequence) const;

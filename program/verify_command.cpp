@@ -180,15 +180,16 @@ class Verification {
       : options_(options),
         config_(config_of(options)),
         reader_(options.sequence.file),
-        stepper_(reader_, options.sequence.stepper()),
+        stepper_(reader_, options.sequence.config),
         range_(parse_steps(options.sequence.steps, stepper_.step_count(), options.sequence.file)),
         executor_(make_interruptible_executor(options.query.threads)),
         filter_(options.query.filter()),
         verifier_(registry, config_),
         // The known answers are valid for surfaces with linear motion and for all pairs.
-        truth_fits_(!options.no_truth && options.sequence.shells == "surface" && filter_.trivial() &&
-                    options.query.separation.value_or(0) == 0 && options.sequence.edges == "triangulated" &&
-                    options.sequence.motion == "linear") {
+        truth_fits_(!options.no_truth && options.sequence.config.shells == ShellModel::surface && filter_.trivial() &&
+                    options.query.separation.value_or(0) == 0 &&
+                    options.sequence.config.edge_set == EdgeSet::triangulated &&
+                    options.sequence.config.motion == MotionModel::linear) {
     warn_of_incomplete(reader_);
   }
 

@@ -1,10 +1,12 @@
 // Which pairs of objects a query includes.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <set>
 #include <utility>
 
+#include <volccd/core/named_values.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/query/pairs.hpp>
 
@@ -15,6 +17,9 @@ enum class PairScope {
   inter,  ///< between different objects
   intra   ///< within one object
 };
+constexpr std::array<NamedValue<PairScope>, 3> names_of(PairScope) {
+  return {{{"all", PairScope::all}, {"inter", PairScope::inter}, {"intra", PairScope::intra}}};
+}
 
 /// A symmetric rule on pairs of object ids. A feature belongs to every object that has an element incident to it. A
 /// feature pair {a,b} is included if some (oi, oj) in inc(a) x inc(b) has an allowed pair of objects.

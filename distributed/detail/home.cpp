@@ -32,7 +32,7 @@ void check_shape(const Elements& elements) {
 
 Home::Home(Exchange& exchange, Elements elements, std::vector<std::int64_t> vertices, EdgeSet edge_set)
     : elements_(std::move(elements)), vertices_(std::move(vertices)), edge_set_(edge_set) {
-  require_same(exchange, "edge set", edge_set == EdgeSet::polytope ? "polytope" : "triangulated");
+  require_same(exchange, "edge set", name_of(edge_set));
   run_on_all(exchange, "mesh", [&] {
     check_shape(elements_);
     if (vertices_.size() >= kNone) throw InputError("mesh", "vertex ids", "more than 2^32 - 2 vertices");

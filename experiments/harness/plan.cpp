@@ -11,18 +11,6 @@ namespace volccd {
 
 using nlohmann::json;
 
-const char* name_of(MotionModel model) {
-  switch (model) {
-    case MotionModel::linear: return "linear";
-    case MotionModel::quadratic: return "quadratic";
-    case MotionModel::tentative: return "tentative";
-    case MotionModel::query: return "query";
-  }
-  return "";
-}
-const char* name_of(ShellModel model) { return model == ShellModel::surface ? "surface" : "solid"; }
-const char* name_of(EdgeSet set) { return set == EdgeSet::triangulated ? "triangulated" : "polytope"; }
-
 std::vector<StepWindow> sampled_windows(int steps, int count, int length) {
   if (steps <= count * length) return {{0, steps}};
   std::vector<StepWindow> windows;

@@ -49,11 +49,6 @@ struct ExperimentPlan {
   std::string options = {};  ///< what a caller has changed, as on the command line: "--scenes run.vtkhdf --rounds 5"
 };
 
-/// The values as on the command line.
-const char* name_of(MotionModel model);
-const char* name_of(ShellModel model);
-const char* name_of(EdgeSet set);
-
 /// `count` windows of `length` steps each, spread evenly over [1, steps). Step 0 is left out because no step
 /// precedes it that could prepare the state. If these windows would contain all steps, there is one window with all
 /// steps.

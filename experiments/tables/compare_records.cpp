@@ -25,17 +25,25 @@ struct Samples {
   double tests = 0;
   std::string contacts;
 };
-using Entrants = std::map<std::string, std::map<int, Samples>>;
+struct EntrantSamples {
+  std::string question;  ///< what it has in common with those that were measured in turn with it
+  std::map<int, Samples> steps;
+};
+using Entrants = std::map<std::string, EntrantSamples>;
 
-/// What distinguishes an entrant from the others, without the values that most entrants have.
-std::string entrant_of(const json& row) {
+/// What distinguishes rows, without the values that most of them have: those of other entrants (with `pipelines`), or
+/// of other questions.
+std::string name_of_row(const json& row, bool pipelines) {
   std::string name;
   const auto append = [&](const std::string& word) { name += (name.empty() ? "" : " ") + word; };
   constexpr std::pair<const char*, const char*> kColumns[] = {
-      {"table", ""},         {"scene", ""},     {"motion_model", "linear"}, {"edges", "triangulated"},
-      {"shells", "surface"}, {"mesh", "whole"}, {"pipeline", ""},           {"variant", ""}};
+      {"table", ""},         {"scene", ""},    {"motion_model", "linear"}, {"edges", "triangulated"},
+      {"shells", "surface"}, {"mesh", "whole"}};
   for (const auto& [column, usual] : kColumns)
     if (const std::string value = row.at(column); value != usual) append(value);
+  if (pipelines)
+    for (const char* column : {"pipeline", "variant"})
+      if (const std::string value = row.at(column); !value.empty()) append(value);
   append(fmt::format("threads={}", row.at("threads").get<unsigned>()));
   if (const double separation = row.at("separation"); separation != 0) append(fmt::format("separation={}", separation));
   return name;
@@ -47,9 +55,11 @@ Entrants entrants_of(const std::string& file) {
   std::int64_t index = 0;
   try {
     for (const json& row : record.at("rows")) {
-      const std::string key = entrant_of(row);
+      const std::string key = name_of_row(row, true);
       const int step = row.at("motion"), round = row.at("round");
-      Samples& samples = entrants[key][step];
+      EntrantSamples& entrant = entrants[key];
+      entrant.question = name_of_row(row, false);
+      Samples& samples = entrant.steps[step];
       if (!samples.rounds.insert(round).second)
         throw InputError(file, "rows", index,
                          fmt::format("is a second row of {}, step {}, round {}", key, step, round));
@@ -98,14 +108,15 @@ struct Change {
   double spread_a = 0, spread_b = 0;  ///< sums over steps
   bool same_counts = true;
   bool single = false;  ///< a side has one round: the spread is unknown
+  double drift = 1;     ///< of the question
 
   double ratio() const { return after / before; }
   double tolerance() const {
     const double spread = std::max(spread_a, spread_b) / static_cast<double>(steps);
     return single ? kMaxTimeTolerance : std::clamp(spread, kMinTimeTolerance, kMaxTimeTolerance);
   }
-  bool slower() const { return ratio() > 1 + tolerance(); }
-  bool faster() const { return ratio() < 1 / (1 + tolerance()); }
+  bool slower() const { return ratio() > drift * (1 + tolerance()); }
+  bool faster() const { return ratio() < drift / (1 + tolerance()); }
 };
 
 Change change_of(const std::map<int, Samples>& a, const std::map<int, Samples>& b) {
@@ -139,13 +150,28 @@ void note_missing(const Map& a, const Map& b, const std::string& what, RecordCom
   note(b, a, "B");
 }
 
+/// Sets the drift of the changes, and appends those of all questions.
+void find_drifts(const Entrants& entrants, std::map<std::string, Change>& changes, std::vector<double>& drifts) {
+  std::map<std::string, std::vector<double>> questions;
+  for (const auto& [key, change] : changes) questions[entrants.at(key).question].push_back(change.ratio());
+  for (auto& [key, change] : changes)
+    if (const auto& ratios = questions.at(entrants.at(key).question); ratios.size() >= kMinEntrantsForDrift)
+      change.drift = median(ratios);
+  for (const auto& [question, ratios] : questions)
+    if (ratios.size() >= kMinEntrantsForDrift) drifts.push_back(median(ratios));
+}
+
 void compare(const std::string& name, const Entrants& a, const Entrants& b, RecordComparison& result) {
-  for (const auto& [key, steps] : a) {
+  std::map<std::string, Change> changes;
+  for (const auto& [key, entrant] : a) {
     const auto other = b.find(key);
     if (other == b.end()) continue;
-    note_missing(steps, other->second, fmt::format("{}, {}, steps ", name, key), result);
-    const Change change = change_of(steps, other->second);
-    if (change.steps == 0) continue;
+    note_missing(entrant.steps, other->second.steps, fmt::format("{}, {}, steps ", name, key), result);
+    const Change change = change_of(entrant.steps, other->second.steps);
+    if (change.steps > 0) changes[key] = change;
+  }
+  find_drifts(a, changes, result.drifts);
+  for (const auto& [key, change] : changes) {
     const bool slower = change.slower(), faster = change.faster();
     ++result.compared;
     result.slower += slower;
@@ -155,7 +181,7 @@ void compare(const std::string& name, const Entrants& a, const Entrants& b, Reco
     if (!slower && !faster && change.same_counts) continue;
     const auto ms = [&](double seconds) { return number_text(1e3 * seconds / double(change.steps)); };
     result.table.add({name, key, ms(change.before), ms(change.after), fmt::format("{:.3f}", change.ratio()),
-                      fmt::format("{:.1f} %", 100 * change.tolerance()),
+                      fmt::format("{:.3f}", change.drift), fmt::format("{:.1f} %", 100 * change.tolerance()),
                       slower   ? "slower"
                       : faster ? "faster"
                                : "-",
@@ -166,7 +192,8 @@ void compare(const std::string& name, const Entrants& a, const Entrants& b, Reco
 }  // namespace
 
 RecordComparison compare_records(const std::string& folder_a, const std::string& folder_b) {
-  RecordComparison result{TextTable({"record", "entrant", "ms, A", "ms, B", "B/A", "tolerance", "time", "counts"})};
+  RecordComparison result{
+      TextTable({"record", "entrant", "ms, A", "ms, B", "B/A", "of all", "tolerance", "time", "counts"})};
   const std::map<std::string, bool> in_a = records_in(folder_a), in_b = records_in(folder_b);
   note_missing(in_a, in_b, "record ", result);
   for (const auto& [name, timed] : in_a) {
@@ -183,6 +210,7 @@ RecordComparison compare_records(const std::string& folder_a, const std::string&
     note_missing(a, b, name + ", entrants ", result);
     compare(name, a, b, result);
   }
+  std::sort(result.drifts.begin(), result.drifts.end());
   if (result.compared == 0)
     throw InputError(folder_b, "",
                      "has no row in common with " + folder_a + "; both are folders that `experiment run` filled");

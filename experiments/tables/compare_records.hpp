@@ -15,6 +15,7 @@ struct RecordComparison {
   std::size_t compared = 0;  ///< entrants that both folders have
   std::size_t slower = 0;    ///< of those, slower by more than the tolerance
   std::size_t faster = 0;
+  std::vector<double> drifts = {};                 ///< ascending, of each question
   std::size_t single = 0;                          ///< with one round on a side
   std::size_t other_counts = 0;                    ///< with different tests or contacts on the same step
   std::vector<std::string> only_on_one_side = {};  ///< records, entrants and steps, with the side that has them
@@ -23,12 +24,19 @@ struct RecordComparison {
 
 /// Least and greatest tolerance of times.
 inline constexpr double kMinTimeTolerance = 0.03, kMaxTimeTolerance = 0.25;
+/// With fewer entrants, a question has no drift.
+inline constexpr std::size_t kMinEntrantsForDrift = 3;
 
 /// Compares the records of the same name in both folders, entrant by entrant, by the sum over the steps that both have
 /// of the median over rounds. The tolerance of an entrant is the spread of its rounds, but within the two bounds, and
 /// the greatest with a single round: greater changes are always seen. The spread is the mean over steps of (greatest -
-/// smallest) / median over rounds, the greater one of both sides. Throws InputError for folders without a common
-/// entrant, for an invalid record, and for two rows that have the same entrant, step and round.
+/// smallest) / median over rounds, the greater one of both sides.
+///
+/// A change is compared with the drift of the question, which is the median of B/A over all entrants that answer it
+/// (the same columns but for pipeline and variant): they were measured in turn, so that a machine that has become
+/// slower, or code that all of them share, changes all of them. The drifts tell how much that was. Throws
+/// InputError for folders without a common entrant, for an invalid record, and for two rows that have the same entrant,
+/// step and round.
 RecordComparison compare_records(const std::string& folder_a, const std::string& folder_b);
 
 }  // namespace volccd

@@ -1,11 +1,13 @@
 // From a sequence file to queries: a topology and a motion for each pair of consecutive frames.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include <volccd/core/named_values.hpp>
 #include <volccd/io/sequence/cells.hpp>
 #include <volccd/io/sequence/connected_components.hpp>
 #include <volccd/io/sequence/reader.hpp>
@@ -39,6 +41,19 @@ enum class MotionModel {
               ///< control points
   query       ///< the last query that the simulation asked before frame k+1; two control points
 };
+
+constexpr std::array<NamedValue<ShellModel>, 2> names_of(ShellModel) {
+  return {{{"surface", ShellModel::surface}, {"solid", ShellModel::solid}}};
+}
+constexpr std::array<NamedValue<ObjectModel>, 2> names_of(ObjectModel) {
+  return {{{"stored", ObjectModel::stored}, {"components", ObjectModel::components}}};
+}
+constexpr std::array<NamedValue<MotionModel>, 4> names_of(MotionModel) {
+  return {{{"linear", MotionModel::linear},
+           {"quadratic", MotionModel::quadratic},
+           {"tentative", MotionModel::tentative},
+           {"query", MotionModel::query}}};
+}
 
 /// Step k leads from the points of frame k to those of frame k+1 and uses the topology of frame k+1. Element ids are
 /// GlobalCellIds, objects are PartIds or connected components, and vertices are all points of the file.

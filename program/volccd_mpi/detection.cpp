@@ -123,7 +123,7 @@ class RankDetection {
         if (first()) warn_of_incomplete(*reader_);
         range_ = parse_steps(options_.sequence.steps, reader_->frame_count() - 1, options_.sequence.file);
         options_.check_numbers(range_);
-        source_ = make_step_source(*reader_, options_.sequence.stepper(), exchange_.rank(), exchange_.size());
+        source_ = make_step_source(*reader_, options_.sequence.config, exchange_.rank(), exchange_.size());
       });
   }
 
@@ -147,7 +147,7 @@ class RankDetection {
     if (changed) {
       distributed::Elements elements = source_->elements();
       if (k == range_.begin) check_first_step(k, elements);
-      detector_->set_mesh(std::move(elements), source_->vertices(), options_.sequence.stepper().edge_set);
+      detector_->set_mesh(std::move(elements), source_->vertices(), options_.sequence.config.edge_set);
     }
     rows_.push_back({.step = k});
     const int n = options_.substeps;
@@ -178,7 +178,7 @@ class RankDetection {
 
   /// As QueryOptions::check, with the points of the file in place of the vertices in use.
   void check_first_step(int k, const distributed::Elements& elements) {
-    if (options_.query.pairs == "inter") warn_of_one_object(k, elements);
+    if (options_.query.pairs == PairScope::inter) warn_of_one_object(k, elements);
     const Motion& motion = source_->motion();
     std::vector<std::uint64_t> bounds(6, 0);  // maxima of the coordinates and of their negatives
     for (Index v = 0; v < motion.vertex_count(); ++v)
@@ -274,9 +274,9 @@ class RankDetection {
     return {{"sequence", options_.sequence.file},
             {"query", options_.first ? "first" : "all"},
             {"initial_overlaps", request_.initial_overlaps},
-            {"pairs", options_.query.pairs},
+            {"pairs", name_of(options_.query.pairs)},
             {"separation", detector_->separation()},
-            {"motion", options_.sequence.motion},
+            {"motion", name_of(options_.sequence.config.motion)},
             {"substeps", options_.substeps},
             {"threads", executor_->workers()},
             {"pipeline", to_json(detector_->pipeline())},
@@ -325,7 +325,7 @@ class RankDetection {
   std::vector<StepRow> rows_;
   RankStatistics sum_;
   std::array<std::uint64_t, 3> list_sums_{};  ///< steps that made a candidate list, refreshed one, used one
-  std::vector<RankStatistics> ranks_;  ///< the sums of all ranks, after the last step
+  std::vector<RankStatistics> ranks_;         ///< the sums of all ranks, after the last step
 };
 
 }  // namespace

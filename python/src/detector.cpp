@@ -21,7 +21,7 @@ class SignalDetector {
     const PythonCells arrays(cells);
     const Registry stages = registry();  // which may change when the GIL is released
     DetectorConfig config = detector_config(options);
-    config.edge_set = edge_set_from(edges);
+    config.edge_set = value_named<EdgeSet>(edges, "edges");
     executor_ = make_signal_executor(config.threads);
     config.executor = executor_.get();
     std::span<const double> values;

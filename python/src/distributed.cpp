@@ -158,7 +158,7 @@ class RankDetector {
     std::vector<std::int64_t> own;
     distributed::run_on_all(exchange_, "cells", [&] {
       const std::span<const std::int64_t> ids = values_of(vertices, "vertices");
-      edge_set = edge_set_from(edges);
+      edge_set = value_named<EdgeSet>(edges, "edges");
       elements = elements_with_ids(PythonCells(cells).views(), ids);
       own.assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(owned));
     });

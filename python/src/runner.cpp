@@ -7,19 +7,11 @@
 #include <pybind11/stl.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/core/suggest.hpp>
+#include <volccd/core/named_values.hpp>
 
 namespace volccd::python {
 
 namespace {
-
-PairScope scope_from(const std::string& pairs) {
-  if (pairs == "all") return PairScope::all;
-  if (pairs == "inter") return PairScope::inter;
-  if (pairs == "intra") return PairScope::intra;
-  throw ConfigError(
-      fmt::format("pairs: '{}' is not all, inter or intra{}", pairs, did_you_mean(pairs, "all, inter, intra")));
-}
 
 /// "off", "auto", or a budget and a number of steps.
 ListConfig lists_from(const py::object& lists) {
@@ -40,18 +32,11 @@ DetectorConfig detector_config(const py::dict& options) {
                         .settings = options["settings"].cast<std::vector<std::string>>(),
                         .threads = options["threads"].cast<unsigned>(),
                         .separation = options["separation"].cast<double>(),
-                        .filter = ObjectFilter(scope_from(options["pairs"].cast<std::string>())),
+                        .filter = ObjectFilter(value_named<PairScope>(options["pairs"].cast<std::string>(), "pairs")),
                         .lists = lists_from(options["lists"])};
   for (const auto& [a, b] : options["exclude"].cast<std::vector<std::pair<std::int32_t, std::int32_t>>>())
     config.filter.exclude(a, b);
   return config;
-}
-
-EdgeSet edge_set_from(const std::string& edges) {
-  if (edges == "triangulated") return EdgeSet::triangulated;
-  if (edges == "polytope") return EdgeSet::polytope;
-  throw ConfigError(fmt::format("edges: '{}' is not triangulated or polytope{}", edges,
-                                did_you_mean(edges, "triangulated, polytope")));
 }
 
 py::dict facts_of(const Pipeline& pipeline, const Executor& executor) {

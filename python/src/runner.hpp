@@ -14,8 +14,6 @@ namespace volccd::python {
 /// separation, pairs, exclude, all of which must be present. Throws ConfigError.
 DetectorConfig detector_config(const py::dict& options);
 
-EdgeSet edge_set_from(const std::string& edges);
-
 /// The options of a step.
 struct StepRequest {
   bool first = false, initial_overlaps = false;

@@ -22,25 +22,13 @@ namespace {
 
 SequenceStepper::Config stepper_config(const py::dict& options) {
   SequenceStepper::Config config;
-  const auto choose = [&](const char* name, auto& value, auto... choices) {
-    const std::string text = options[name].template cast<std::string>();
-    std::string known;
-    bool found = false;
-    const auto look = [&](const auto& choice) {
-      known += (known.empty() ? "" : ", ") + std::string(choice.first);
-      if (text == choice.first) value = choice.second, found = true;
-    };
-    (look(choices), ...);
-    if (!found) throw ConfigError(fmt::format("{}: '{}' is none of {}", name, text, known));
+  const auto choose = [&](const char* name, auto& value) {
+    value = value_named<std::decay_t<decltype(value)>>(options[name].template cast<std::string>(), name);
   };
-  choose("shells", config.shells, std::pair("surface", ShellModel::surface), std::pair("solid", ShellModel::solid));
-  choose("edges", config.edge_set, std::pair("triangulated", EdgeSet::triangulated),
-         std::pair("polytope", EdgeSet::polytope));
-  choose("motion", config.motion, std::pair("linear", MotionModel::linear),
-         std::pair("quadratic", MotionModel::quadratic), std::pair("tentative", MotionModel::tentative),
-         std::pair("query", MotionModel::query));
-  choose("parts", config.objects, std::pair("stored", ObjectModel::stored),
-         std::pair("components", ObjectModel::components));
+  choose("shells", config.shells);
+  choose("edges", config.edge_set);
+  choose("motion", config.motion);
+  choose("parts", config.objects);
   return config;
 }
 

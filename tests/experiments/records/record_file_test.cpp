@@ -124,6 +124,31 @@ TEST_F(CompareRecords, TimesBeyondTheToleranceOnly) {
   EXPECT_THROW(compare_records(a_, folder_ / "absent"), InputError);
 }
 
+/// What changes all entrants of a question alike is its drift; one that changes against the others is seen.
+TEST_F(CompareRecords, ChangesAreAgainstTheOtherEntrantsOfTheQuestion) {
+  std::vector<json> before, after, one_slower;
+  for (const char* pipeline : {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"}) {
+    const auto add = [&](std::vector<json>& rows, double seconds) {
+      for (const json& row : entrant_rows({seconds, 1.01 * seconds}, {{"pipeline", pipeline}})) rows.push_back(row);
+    };
+    add(before, 1.0);
+    add(after, 1.5);
+    add(one_slower, pipeline == std::string("VolCCD+") ? 1.7 : 1.5);
+  }
+  const RecordComparison drifted = compared(before, after);
+  EXPECT_EQ(0u, drifted.slower + drifted.faster);
+  ASSERT_EQ(1u, drifted.drifts.size());
+  EXPECT_NEAR(1.5, drifted.drifts[0], 1e-12);
+  EXPECT_EQ(1u, compared(before, one_slower).slower);
+  EXPECT_EQ(0u, compared(after, before).faster);
+  std::vector<json> elsewhere = before;  // another scene does not excuse it
+  for (json& row : elsewhere) row["scene"] = "t";
+  std::vector<json> both = one_slower;
+  both.insert(both.end(), elsewhere.begin(), elsewhere.end());
+  before.insert(before.end(), elsewhere.begin(), elsewhere.end());
+  EXPECT_EQ(1u, compared(before, both).slower);
+}
+
 /// The factors that the help text promises to see.
 TEST_F(CompareRecords, EveryRiseBeyondTheGreatestToleranceIsSeen) {
   for (const std::vector<double>& rounds : std::vector<std::vector<double>>{

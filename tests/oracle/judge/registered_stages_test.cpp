@@ -86,7 +86,7 @@ template <class Kind>
 auto all_of() {
   return testing::ValuesIn(names<Kind>());
 }
-std::string name_of(const testing::TestParamInfo<std::string>& info) {
+std::string stage_of(const testing::TestParamInfo<std::string>& info) {
   std::string name = info.param;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
@@ -119,17 +119,17 @@ TEST_P(LongFeatureFilterPromises, AreKept) { check(10'000, 400, false, 10'000'00
 /// Fewer trials, because exact arithmetic judges every test.
 TEST_P(LongNarrowPhasePromises, AreKept) { check(500, 50, false, 10'000'000); }
 
-INSTANTIATE_TEST_SUITE_P(All, BroadPhasePromises, all_of<BroadPhase>(), name_of);
-INSTANTIATE_TEST_SUITE_P(All, ElementCullingPromises, all_of<ElementCulling>(), name_of);
-INSTANTIATE_TEST_SUITE_P(All, AssignmentPromises, all_of<Assignment>(), name_of);
-INSTANTIATE_TEST_SUITE_P(All, OrphanSourcePromises, all_of<OrphanSource>(), name_of);
-INSTANTIATE_TEST_SUITE_P(All, FloodPromises, all_of<Flood>(), name_of);
-INSTANTIATE_TEST_SUITE_P(All, FeatureFilterPromises, all_of<FeatureFilter>(), name_of);
-INSTANTIATE_TEST_SUITE_P(All, NarrowPhasePromises, all_of<NarrowPhase>(), name_of);
-INSTANTIATE_TEST_SUITE_P(All, LongBroadPhasePromises, all_of<BroadPhase>(), name_of);
-INSTANTIATE_TEST_SUITE_P(All, LongElementCullingPromises, all_of<ElementCulling>(), name_of);
-INSTANTIATE_TEST_SUITE_P(All, LongFeatureFilterPromises, all_of<FeatureFilter>(), name_of);
-INSTANTIATE_TEST_SUITE_P(All, LongNarrowPhasePromises, all_of<NarrowPhase>(), name_of);
+INSTANTIATE_TEST_SUITE_P(All, BroadPhasePromises, all_of<BroadPhase>(), stage_of);
+INSTANTIATE_TEST_SUITE_P(All, ElementCullingPromises, all_of<ElementCulling>(), stage_of);
+INSTANTIATE_TEST_SUITE_P(All, AssignmentPromises, all_of<Assignment>(), stage_of);
+INSTANTIATE_TEST_SUITE_P(All, OrphanSourcePromises, all_of<OrphanSource>(), stage_of);
+INSTANTIATE_TEST_SUITE_P(All, FloodPromises, all_of<Flood>(), stage_of);
+INSTANTIATE_TEST_SUITE_P(All, FeatureFilterPromises, all_of<FeatureFilter>(), stage_of);
+INSTANTIATE_TEST_SUITE_P(All, NarrowPhasePromises, all_of<NarrowPhase>(), stage_of);
+INSTANTIATE_TEST_SUITE_P(All, LongBroadPhasePromises, all_of<BroadPhase>(), stage_of);
+INSTANTIATE_TEST_SUITE_P(All, LongElementCullingPromises, all_of<ElementCulling>(), stage_of);
+INSTANTIATE_TEST_SUITE_P(All, LongFeatureFilterPromises, all_of<FeatureFilter>(), stage_of);
+INSTANTIATE_TEST_SUITE_P(All, LongNarrowPhasePromises, all_of<NarrowPhase>(), stage_of);
 
 }  // namespace
 }  // namespace volccd
