@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -31,19 +32,18 @@ struct EntrantSamples {
 };
 using Entrants = std::map<std::string, EntrantSamples>;
 
-/// What distinguishes rows, without the values that most of them have: those of other entrants (with `pipelines`), or
-/// of other questions.
-std::string name_of_row(const json& row, bool pipelines) {
+/// Columns that distinguish entrants, and the values that most rows have. Those of the question come first.
+constexpr std::pair<const char*, const char*> kColumns[] = {
+    {"table", ""},         {"scene", ""},     {"motion_model", "linear"}, {"edges", "triangulated"},
+    {"shells", "surface"}, {"mesh", "whole"}, {"pipeline", ""},           {"variant", ""}};
+constexpr std::size_t kColumnsOfQuestion = 5;
+
+/// The values of the first columns that are not the usual ones, and what all names have.
+std::string name_of(const json& row, std::size_t columns) {
   std::string name;
   const auto append = [&](const std::string& word) { name += (name.empty() ? "" : " ") + word; };
-  constexpr std::pair<const char*, const char*> kColumns[] = {
-      {"table", ""},         {"scene", ""},    {"motion_model", "linear"}, {"edges", "triangulated"},
-      {"shells", "surface"}, {"mesh", "whole"}};
-  for (const auto& [column, usual] : kColumns)
+  for (const auto& [column, usual] : std::span(kColumns).first(columns))
     if (const std::string value = row.at(column); value != usual) append(value);
-  if (pipelines)
-    for (const char* column : {"pipeline", "variant"})
-      if (const std::string value = row.at(column); !value.empty()) append(value);
   append(fmt::format("threads={}", row.at("threads").get<unsigned>()));
   if (const double separation = row.at("separation"); separation != 0) append(fmt::format("separation={}", separation));
   return name;
@@ -55,10 +55,10 @@ Entrants entrants_of(const std::string& file) {
   std::int64_t index = 0;
   try {
     for (const json& row : record.at("rows")) {
-      const std::string key = name_of_row(row, true);
+      const std::string key = name_of(row, std::size(kColumns));
       const int step = row.at("motion"), round = row.at("round");
       EntrantSamples& entrant = entrants[key];
-      entrant.question = name_of_row(row, false);
+      entrant.question = name_of(row, kColumnsOfQuestion);
       Samples& samples = entrant.steps[step];
       if (!samples.rounds.insert(round).second)
         throw InputError(file, "rows", index,

@@ -33,7 +33,7 @@ inline constexpr std::size_t kMinEntrantsForDrift = 3;
 /// smallest) / median over rounds, the greater one of both sides.
 ///
 /// A change is compared with the drift of the question, which is the median of B/A over all entrants that answer it
-/// (the same columns but for pipeline and variant): they were measured in turn, so that a machine that has become
+/// (the same columns but for mesh, pipeline and variant): they were measured in turn, so that a machine that has become
 /// slower, or code that all of them share, changes all of them. The drifts tell how much that was. Throws
 /// InputError for folders without a common entrant, for an invalid record, and for two rows that have the same entrant,
 /// step and round.
