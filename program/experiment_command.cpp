@@ -124,10 +124,9 @@ void add_compare_command(CLI::App& command, Action& action) {
   compare_command->add_option("B", options->b, "folder of the later records")->required();
   compare_command->footer(
       "Exit code 1 if anything is slower by more than its tolerance, if counts differ, or if one folder alone has a "
-      "record, an entrant or a step. A time is compared with the median of all pipelines on the same scene (\"of "
-      "all\"), "
-      "because machines change their speed. The tolerance is the spread of the rounds, at least 3 % and at most 25 %; "
-      "with a single round it is 25 %.\n"
+      "record, an entrant or a step. A time is compared with the median of all pipelines on the same scene "
+      "(\"of all\"), because machines change their speed. The tolerance is the spread of the rounds, at least 3 % and "
+      "at most 25 %; with a single round it is 25 %.\n"
       "Example:\n  volccd experiment compare results/ build/results/");
   options->report.add_to(*compare_command);
   compare_command->callback([options, &action] { action = [options] { return compare(*options); }; });

@@ -63,7 +63,9 @@ Entrants entrants_of(const std::string& file) {
       if (!samples.rounds.insert(round).second)
         throw InputError(file, "rows", index,
                          fmt::format("is a second row of {}, step {}, round {}", key, step, round));
-      samples.seconds.push_back(row.at("seconds").get<double>() + row.at("topology_seconds").get<double>());
+      const double seconds = row.at("seconds").get<double>() + row.at("topology_seconds").get<double>();
+      if (!(seconds > 0)) throw InputError(file, "rows", index, fmt::format("a step took {} s", seconds));
+      samples.seconds.push_back(seconds);
       samples.tests = row.at("vf_tests").get<double>() + row.at("ee_tests").get<double>();
       samples.contacts = row.at("contacts_hash").get<std::string>();
       ++index;
@@ -77,7 +79,7 @@ Entrants entrants_of(const std::string& file) {
 double spread(const Samples& samples) {
   const auto [low, high] = std::minmax_element(samples.seconds.begin(), samples.seconds.end());
   const double middle = median(samples.seconds);
-  return middle > 0 ? (*high - *low) / middle : 0;
+  return (*high - *low) / middle;
 }
 
 /// Whether the rows are runs of pipelines. Those of `operations`, `feature-sets` and others are not, and are not

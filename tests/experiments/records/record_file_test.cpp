@@ -122,6 +122,7 @@ TEST_F(CompareRecords, TimesBeyondTheToleranceOnly) {
   EXPECT_EQ(timed({1.00, 1.01, 1.02}, {1.01, 1.02, 1.03}).slower, 0u) << "within 3 %";
   EXPECT_EQ(timed({0.90, 1.00, 1.10}, {1.00, 1.11, 1.20}).slower, 0u) << "within the spread";
   EXPECT_THROW(compare_records(a_, folder_ / "absent"), InputError);
+  EXPECT_THROW(timed({0.0}, {1.0}), InputError) << "no step takes no time";
 }
 
 /// What changes all entrants of a question alike is its drift; one that changes against the others is seen.
