@@ -13,8 +13,14 @@ namespace volccd {
 
 namespace {
 
-/// From this part of its prediction on, a list may soon be used up.
-constexpr double kNearEnd = 0.7;
+/// The time that the tests of a list took which found nothing, summed over workers.
+double time_in_vain(const Statistics& statistics) {
+  const auto found = static_cast<double>(statistics.contacts + statistics.left_out);
+  double seconds = 0;
+  for (const StageStatistics& stage : statistics.stages)
+    if (stage.in > 0) seconds += stage.seconds * (1 - std::min(1.0, found / static_cast<double>(stage.in)));
+  return seconds;
+}
 
 }  // namespace
 
@@ -42,13 +48,15 @@ const StepResult& StepRunner::run(const Topology& topology, const Motion& motion
   Step step{topology, motion, filter_, separation_};
   step.t_max = t_max;
   step.complete = complete;
-  // Observers and initial overlaps need the stages that a list leaves out.
-  if (lists_.use == ListConfig::Use::never || request.observer || request.initial_overlaps) {
+  // Observers, initial overlaps and candidates need the stages that a list leaves out.
+  if (lists_.use == ListConfig::Use::never || request.observer || request.initial_overlaps || request.candidates ||
+      request.tests) {
     pipeline_.run(step, workspace_, *executor_, result_, request);
     return result_;
   }
   double list_seconds = 0;
   try {
+    compare_motion(step, list_seconds);
     if (!reuse_list(step, request, list_seconds) && !make_list(step, request, list_seconds)) {
       pipeline_.run(step, workspace_, *executor_, result_, request);
       policy_.record_fresh(result_.statistics.seconds);
@@ -61,6 +69,14 @@ const StepResult& StepRunner::run(const Topology& topology, const Motion& motion
   result_.statistics.list_seconds = list_seconds;
   result_.statistics.seconds += list_seconds;
   return result_;
+}
+
+/// Sets moved_ where the policy needs it.
+void StepRunner::compare_motion(const Step& step, double& list_seconds) {
+  if (lists_.use != ListConfig::Use::automatic) return;
+  StageClock clock;
+  const StageTimer timer(clock, list_seconds);
+  moved_ = sample_.compare(step, policy_);
 }
 
 /// Runs the tests of the list, if it contains all contacts of the step. Adds the time that the list takes.
@@ -77,7 +93,6 @@ bool StepRunner::reuse_list(const Step& step, const Request& request, double& li
     return false;
   }
   distance_ = std::max(distance_, list_.distance());
-  if (list_.reached() > kNearEnd) sample_.compare(step);  // the next list can follow without a fresh step
   run_tests(step, request, list_seconds);
   const bool refreshed = list_.refreshed() > std::exchange(refreshed_, list_.refreshed());
   ++(refreshed ? result_.statistics.refreshed_steps : result_.statistics.reused_steps);
@@ -87,8 +102,7 @@ bool StepRunner::reuse_list(const Step& step, const Request& request, double& li
 /// Makes a list and runs its tests, if a list is wanted and possible. Adds the time that the list takes.
 bool StepRunner::make_list(const Step& step, const Request& request, double& list_seconds) {
   std::optional<ListPolicy::Plan> plan = ListPolicy::Plan{lists_.steps, lists_.budget};
-  if (lists_.use == ListConfig::Use::automatic)
-    plan = policy_.has_credit() ? policy_.plan(sample_.compare(step)) : std::nullopt;
+  if (lists_.use == ListConfig::Use::automatic) plan = policy_.plan(moved_);
   if (!plan) return false;
   double build = 0;
   bool made = false;
@@ -102,6 +116,7 @@ bool StepRunner::make_list(const Step& step, const Request& request, double& lis
   if (!made) return false;
   distance_ = 0;
   refreshed_ = 0;
+  sample_.begin(step);
   run_tests(step, request, 0);
   ++result_.statistics.list_steps;
   return true;
@@ -114,9 +129,7 @@ void StepRunner::run_tests(const Step& step, Request request, double list_second
   Statistics& statistics = result_.statistics;
   statistics.list_tests = list_.tests().size();
   statistics.list_budget = list_.budget();
-  const auto tests = static_cast<double>(std::max<std::uint64_t>(1, statistics.list_tests));
-  const auto found = static_cast<double>(statistics.contacts + statistics.left_out);
-  policy_.record_use(list_seconds + statistics.seconds, 1 - found / tests);
+  policy_.record_use(list_seconds + statistics.seconds, time_in_vain(statistics) / executor_->workers());
   if (lists_.use == ListConfig::Use::automatic && !policy_.is_worthwhile()) {
     policy_.record_end(distance_, 0, 0);
     list_.clear();

@@ -60,6 +60,7 @@ class StepRunner {
   std::size_t workspace_bytes() const { return workspace_.bytes() + list_.bytes() + sample_.bytes(); }
 
  private:
+  void compare_motion(const Step& step, double& list_seconds);
   bool reuse_list(const Step& step, const Request& request, double& list_seconds);
   bool make_list(const Step& step, const Request& request, double& list_seconds);
   void run_tests(const Step& step, Request request, double list_seconds);
@@ -75,8 +76,9 @@ class StepRunner {
   CandidateList list_;
   ListPolicy policy_;
   detail::MotionSample sample_;
-  int refreshed_ = 0;    ///< how often the list had been refreshed before this step
-  double distance_ = 0;  ///< the largest distance of a step that the list covered from its prediction
+  ListPolicy::Motion moved_{};  ///< of this step, with automatic lists
+  int refreshed_ = 0;           ///< how often the list had been refreshed before this step
+  double distance_ = 0;         ///< the largest distance of a step that the list covered from its prediction
 };
 
 }  // namespace volccd

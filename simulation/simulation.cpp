@@ -16,9 +16,6 @@ namespace {
 
 /// Default separation, as a fraction of the shortest edge, and greatest one, of the thickness of the thinnest shell.
 constexpr double kSeparationOfEdge = 0.01, kSeparationOfThickness = 0.1;
-/// Bounds of the margin of queries, in units of the default separation. The upper bound applies if there are no prisms,
-/// whose opposite sides are near each other.
-constexpr double kMinMargin = 4, kMaxMargin = 15;
 /// Distance that a blade moves between two cuts, in mean edges of the body.
 constexpr double kCutAdvance = 0.25;
 
@@ -53,7 +50,6 @@ Simulation::State::State(Model m, SimulationOptions o, Executor& e)
       start(model.positions),
       fixed(model.mesh.vertex_count(), 0),
       depth(model.cuts.size(), 0),
-      since(model.positions),
       asked_start(model.positions),
       asked_end(model.positions) {
   for (Index i : model.fixed) fixed[i] = 1;
@@ -64,7 +60,6 @@ Simulation::State::State(Model m, SimulationOptions o, Executor& e)
   bodies.emplace(model, mass);
   renew_masses();
   bodies->write_velocities(v);
-  bodies->mark();
   for (const Body& body : model.bodies) {
     may_split |= body.material.failure_stress < kNever || body.material.failure_strain < kNever ||
                  body.material.breaking_strain < kNever;
@@ -97,8 +92,7 @@ double Simulation::State::choose_separation() {
 }
 
 void Simulation::State::make_detection() {
-  const double chosen = choose_separation();
-  const double separation = options.separation < 0 ? chosen : options.separation;
+  const double separation = options.separation < 0 ? choose_separation() : options.separation;
   std::unique_ptr<ContactDetection> detection;
   if (options.contacts) {
     ContactDetection::Config config;
@@ -110,11 +104,8 @@ void Simulation::State::make_detection() {
       if (model.bodies[i].rigid)
         config.excluded.emplace_back(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i));
     config.separation = separation;
-    const std::vector<double> h = thickness();
-    const bool prisms = std::any_of(h.begin(), h.end(), [](double t) { return t > 0; });
-    config.min_margin = kMinMargin * chosen;
-    config.max_margin = (prisms ? kMinMargin : kMaxMargin) * chosen;
-    detection = std::make_unique<ContactDetection>(*topology, h, reference, config, executor);
+    config.lists = options.lists;
+    detection = std::make_unique<ContactDetection>(*topology, thickness(), reference, config, executor);
   }
   contacts = std::make_unique<ContactResponse>(
       std::move(detection), model.bodies, model.walls,
@@ -161,14 +152,15 @@ double Simulation::State::next_step(double until, bool& last) const {
   return last ? left : left / steps;
 }
 
-void Simulation::State::substep(double dt, bool query) {
+void Simulation::State::substep(double dt) {
+  bodies->mark();
   bodies->follow_guides(time + dt, dt);
   kick(dt);
   unhindered = v;
   for (std::size_t i = 0; i < x.size(); ++i) x1[i] = inverse_mass[i] > 0 ? Vec3(x[i] + dt * v[i]) : x[i];
   bodies->drift(dt);
   bodies->write_vertices(x1, v);
-  collide(dt, query);
+  collide(dt);
   hinder(unhindered, x, x1, dt);
   std::swap(x, x1);
   time += dt;
@@ -228,23 +220,13 @@ void Simulation::State::damp_bodies(double dt) {
   bodies->write_velocities(v);
 }
 
-void Simulation::State::collide(double dt, bool query) {
-  elapsed += dt;
-  ContactWork work;
-  const MovingVertices moving{inverse_mass, x1, v, *bodies};
-  if (query) {
-    contacts->query_substep(x, since, elapsed, object_of, dt, moving, executor, work);
-    if (const ContactDetection* detection = contacts->detection()) {
-      asked_start = since;
-      asked_end.assign(contacts->queried_end().begin(), contacts->queried_end().end());
-      asked_separation = detection->queried_separation();
-    }
-    since = x1;
-    bodies->mark();
-    elapsed = 0;
-  } else {
-    contacts->substep(x, object_of, dt, moving, executor, work);
+void Simulation::State::collide(double dt) {
+  if (options.contacts) {
+    asked_start = x;
+    asked_end = x1;
   }
+  ContactWork work;
+  contacts->substep(x, object_of, dt, {inverse_mass, x1, v, *bodies}, work);
   ledger.contact += work.total - work.friction;
   ledger.friction += work.friction;
   ledger.external += work.external;
@@ -332,19 +314,14 @@ bool Simulation::advance_to(double time, const std::function<bool(double)>& go_o
   if (!(time >= s.time) || !std::isfinite(time))
     throw ConfigError(fmt::format("simulation: cannot advance from {} s to {} s", s.time, time));
   s.start = s.x;
-  int group = 0;
   for (bool last = s.time == time; !last;) {
     const double dt = s.next_step(time, last);
-    const bool query = last || ++group >= s.options.substeps_per_query;
-    s.substep(dt, query);
+    s.substep(dt);
     if (last) s.time = time;
     s.evaluate_forces(dt);
     s.hinder(s.v, s.x1, s.x, dt);
     s.account();
-    if (query) {
-      group = 0;
-      s.change_topology();
-    }
+    s.change_topology();
     if (!last && go_on && !go_on(s.time)) return false;
   }
   return true;
@@ -357,7 +334,7 @@ std::span<const Vec3> Simulation::velocities() const { return state_->v; }
 std::span<const Vec3> Simulation::start_positions() const { return state_->start; }
 std::optional<AskedQuery> Simulation::last_query() const {
   if (!state_->contacts->detection()) return std::nullopt;
-  return AskedQuery{state_->asked_start, state_->asked_end, state_->asked_separation};
+  return AskedQuery{state_->asked_start, state_->asked_end, state_->contacts->detection()->separation()};
 }
 std::vector<double> Simulation::thickness() const { return state_->thickness(); }
 double Simulation::mass(Index vertex) const { return state_->mass[vertex]; }
@@ -367,7 +344,6 @@ SimulationCounts Simulation::drain_counts() {
   const ContactCounts c = std::exchange(state_->contacts->counts(), {});
   SimulationCounts counts = std::exchange(state_->counts, {});
   counts.queries = c.queries;
-  counts.retests = c.retests;
   counts.inter = c.inter;
   counts.intra = c.intra;
   counts.adjacent = c.adjacent;
@@ -395,7 +371,7 @@ void Simulation::archive(Archive& archive) {
   }
   archive(s.time);
   archive(s.last_dt);
-  for (std::vector<Vec3>* values : {&s.x, &s.v, &s.start, &s.outer, &s.force, &s.since, &s.asked_start, &s.asked_end}) {
+  for (std::vector<Vec3>* values : {&s.x, &s.v, &s.start, &s.outer, &s.force, &s.asked_start, &s.asked_end}) {
     archive(*values);
     if (values->size() != s.reference.size()) throw InputError("checkpoint", "", "damaged");
   }
@@ -404,14 +380,11 @@ void Simulation::archive(Archive& archive) {
   archive_plain(archive, s.contacts->counts());
   archive(s.depth);
   archive(s.since_edit);
-  archive(s.elapsed);
-  archive(s.asked_separation);
   s.solids->archive(archive);
   s.shells->archive(archive);
   // The replayed edits did not have the deformation of pieces, from which their shapes at rest follow.
   if (archive.reading()) s.renew_masses();
   s.bodies->archive(archive);
-  if (ContactDetection* detection = s.contacts->detection()) detection->archive(archive);
   s.x1.resize(s.x.size());
 }
 

@@ -13,6 +13,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/mesh/topology.hpp>
+#include <volccd/pipelines/lists/list_policy.hpp>
 #include <volccd/simulation/archive.hpp>
 #include <volccd/simulation/contact/contact_features.hpp>
 #include <volccd/simulation/ledger.hpp>
@@ -30,12 +31,9 @@ struct SimulationOptions {
   double step_safety = 0.9;  ///< fraction of ElementForces::stable_step() that a substep takes
   double max_step = kNever;
 
-  /// Number of substeps from one query to the next. A query covers the motion since the last query; the pairs that it
-  /// finds, and those that come near if the motion continues, are tested again in each substep until the next query. 1:
-  /// each substep has its own query. advance_to() ends with a query. Values above 1 save time if nothing moves further
-  /// than about a fifth of an edge between queries.
-  int substeps_per_query = 1;
-  int contact_passes = 4;       ///< of detection and response in a query; then touching features are held as they were
+  /// How the queries of each substep use candidate lists. The simulation does not depend on it.
+  ListConfig lists = {.use = ListConfig::Use::automatic};
+  int contact_passes = 4;  ///< of detection and response in a substep; then touching features are held as they were
   int contact_iterations = 12;  ///< sweeps over the contacts in a pass
   /// Gap at which contacts are resisted (metres). Negative: 1 % of the shortest edge, and at most a tenth of a shell's
   /// thickness.
@@ -43,21 +41,21 @@ struct SimulationOptions {
   /// Pairs of objects that do not collide. A pair of equal ids: the object does not collide with itself.
   std::vector<std::pair<std::int32_t, std::int32_t>> excluded;
 
-  /// Splitting and merging are tested at a query if at least this many substeps have passed since the last such test.
+  /// Splitting and merging are tested once in this many substeps.
   int topology_interval = 5;
   bool splitting = true, merging = true, cutting = true;  ///< according to the materials and Model::cuts
 };
 
 /// Numbers of events since the last call of Simulation::drain_counts().
 struct SimulationCounts {
-  std::uint64_t substeps = 0, queries = 0, retests = 0;
+  std::uint64_t substeps = 0, queries = 0;
   /// Contacts that got a response, by class (ContactClass): between objects, within one object, between adjacent
   /// elements or within one element.
   std::uint64_t inter = 0, intra = 0, adjacent = 0;
   std::uint64_t leaving = 0;  ///< contacts of overlapping features that move apart: not resisted
   std::uint64_t ignored = 0;  ///< contacts that are not resisted (ContactVerdict::ignore)
   std::uint64_t held = 0;     ///< vertices held as they were because the passes did not suffice, summed over substeps
-  std::uint64_t unresolved = 0;  ///< pairs of features that still touch or cross at the end of a query
+  std::uint64_t unresolved = 0;  ///< pairs of features that still touch or cross at the end of a substep
   std::uint64_t splits = 0, breaks = 0, merges = 0, cuts = 0, edits = 0;
 };
 
@@ -88,7 +86,7 @@ class Simulation {
 
   /// Runs substeps, of equal length where the stable step allows, and ends exactly at `time`. Throws Error when a
   /// coordinate is no longer finite. `go_on` is called after each substep but the last, with the time reached. If it
-  /// returns false, the simulation stops there, possibly before a query that is due, and advance_to() returns false. To
+  /// returns false, the simulation stops there, and advance_to() returns false. To
   /// continue as without the interruption, read back a state that was archived before.
   bool advance_to(double time, const std::function<bool(double time)>& go_on = {});
 
@@ -99,8 +97,8 @@ class Simulation {
   /// By vertex: its position when the last advance_to() began. For a vertex that is new since then, p - s v (Section
   /// 6.3), where p is its position, s the time since then, and v the mean velocity of the material that it came from.
   std::span<const Vec3> start_positions() const;
-  /// The last query that was asked, with its look-ahead, and with the margin in its separation; nothing without
-  /// contacts (SimulationOptions::contacts). Vertices that are new since then have the positions there of the vertices
+  /// The first query of the last substep: the motion before any response; nothing without contacts
+  /// (SimulationOptions::contacts). Vertices that are new since then have the positions there of the vertices
   /// from which they were made. Before the first query: the initial positions at both ends.
   std::optional<AskedQuery> last_query() const;
   /// The thickness by element slot; 0 for solids and empty slots.

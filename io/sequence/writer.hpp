@@ -19,8 +19,8 @@ inline constexpr const char* kSequenceIsNoStream = "a sequence (HDF5) is not wri
 struct FrameFields {
   std::span<const Vec3> velocity = {};     ///< one per point, in length units per time unit
   std::span<const double> thickness = {};  ///< one per cell of the frame; 0 for volumes
-  /// The last query that a solver asked before this frame: the positions of the points at its start and at its end (its
-  /// look-ahead included), one per point and both or neither, and its separation, which is finite and not negative.
+  /// The last query that a solver asked before this frame: the positions of the points at its start and at its end, one
+  /// per point and both or neither, and its separation, which is finite and not negative.
   std::span<const Vec3> query_start = {}, query_end = {};
   double query_separation = 0;
 };

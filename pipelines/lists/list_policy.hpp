@@ -1,6 +1,8 @@
 // When candidate lists are made, how far ahead and with which budget.
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <optional>
 
 namespace volccd {
@@ -18,10 +20,10 @@ struct ListConfig {
 };
 
 /// Decides from measured times where lists are made, so that all steps together take at most a few percent more than
-/// fresh steps would. A list is made after two steps whose motions agree, if it is expected to serve at least
-/// kMinSteps; how far it goes follows from what earlier lists cost and were used for. What lists cost is paid from a
-/// credit: a share of the time of fresh steps, and what earlier lists saved. Knows nothing of lists, so that it can be
-/// tested with made-up times.
+/// fresh steps would. A list is made if it is expected to serve at least kMinSteps, from how far earlier steps got
+/// from a prediction; how far it goes follows from what earlier lists cost and were used for. What lists cost is paid
+/// from a credit: a share of the time of fresh steps, and what earlier lists saved. Knows nothing of lists, so that it
+/// can be tested with made-up times.
 class ListPolicy {
  public:
   struct Plan {
@@ -30,9 +32,15 @@ class ListPolicy {
   /// The motion of the present step.
   struct Motion {
     double length;    ///< the longest way of a vertex
-    double distance;  ///< how far the motion is from the one before it, going on; infinite if that is unknown
+    double distance;  ///< how far the last `steps` steps were from going on as before them; infinite if that is unknown
+    double steps;     ///< >= 1
     double edge;      ///< a typical length of an edge
   };
+
+  /// The way of the fastest vertex that a list is made for, in edges.
+  double reach() const { return reach_; }
+  /// The greatest budget of a list, in edges. With greater ones, all features of neighbouring elements are near.
+  double max_budget() const { return std::min(reach_ / 4, 1.0 / 16); }
 
   /// Whether a list can be paid for. If not, plan() need not be asked.
   bool has_credit() const { return fresh_steps_ > 0 && cost_ - 1 <= credit_; }
@@ -42,8 +50,8 @@ class ListPolicy {
   void record_fresh(double seconds);
   /// A list was made in `build` seconds.
   void record_list(double build);
-  /// A step took `seconds` with the list; `waste` is the share of its tests without a contact.
-  void record_use(double seconds, double waste);
+  /// A step took `seconds` with the list, of which tests without a contact took `in_vain`.
+  void record_use(double seconds, double in_vain);
   /// Whether steps with the present list take less time than fresh ones. If not, it is to be given up.
   bool is_worthwhile() const;
   /// The list is no longer used. `covered`: the largest distance of a step that it covered from its prediction;
@@ -57,14 +65,18 @@ class ListPolicy {
   static constexpr double kShare = 0.03;     ///< of the time of fresh steps, that lists may cost
   static constexpr double kMaxCredit = 20;   ///< in times of a fresh step
   static constexpr double kFirstCost = 1.5;  ///< of a list, before one was made, in times of a fresh step
-  static constexpr double kMaxSteps = 4096;
+  static constexpr double kFirstReach = 0.125;
+  static constexpr double kForgotten = 0.02;  ///< part of what is known about lists, by each fresh step
+  static constexpr double kMaxSteps = 64;     ///< of a list, in steps since the prediction that tells about the motion
 
   int fresh_steps_ = 0;
-  double fresh_ = 0;          ///< seconds of a fresh step; the first one, which builds tables, does not count
-  double credit_ = 0;         ///< in times of a fresh step
-  double cost_ = kFirstCost;  ///< of a list, in times of a fresh step
-  double reach_ = 0.125;      ///< way of the fastest vertex that a list is made for, in edges
-  double ratio_ = 1.0 / 64;   ///< part of the budget that is proportional to this way
+  double fresh_ = 0;                ///< seconds of a fresh step; the first one, which builds tables, does not count
+  double credit_ = kFirstCost - 1;  ///< in times of a fresh step; the first list needs no waiting
+  double cost_ = kFirstCost;        ///< of a list, in times of a fresh step
+  double reach_ = kFirstReach;      ///< reach()
+  double change_ = 1.5;             ///< by which factor the reach changes after a list
+  double price_ = std::numeric_limits<double>::infinity();  ///< of a step with the last list
+  double ratio_ = 1.0 / 64;                                 ///< part of the budget that is proportional to this way
   // of the present list
   double build_ = 0, wasted_ = 0, used_ = 0;  ///< seconds
   double planned_steps_ = 0, planned_budget_ = 0;

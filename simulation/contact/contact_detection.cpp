@@ -1,10 +1,7 @@
 #include <volccd/simulation/contact/contact_detection.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-
-#include <Eigen/Geometry>
 
 #include <volccd/core/error.hpp>
 #include <volccd/query/shell_neighbours.hpp>
@@ -12,36 +9,30 @@
 namespace volccd::simulation {
 namespace {
 
-constexpr std::size_t kChunk = TestBlock::kCapacity, kVertexGrain = 4096;
-/// How early a contact may be reported, as a fraction of the step.
-constexpr double kTimeTolerance = 1e-3;
-/// Greatest number of intervals of the step in a search. Features that rest at the separation can need any number of
-/// them; the search then ends, and they count as touching.
-constexpr int kMaxIntervals = 40;
-/// Reports every pair that the filters keep; contacts() decides later which of them touch.
-class TakeAll final : public NarrowPhase {
+constexpr std::size_t kContactGrain = 64;
+
+/// Drops tests of features that have copies of the same shell vertex.
+class ShellNeighbours final : public FeatureFilter {
  public:
-  int max_control_points() const override { return 3; }
-  bool handles_separation() const override { return true; }
-  void run(const Step&, StageState&, unsigned, const TestBlock& block, std::vector<Contact>& contacts,
-           NarrowCounters&) const override {
+  void run(const Step&, StageState&, unsigned, const TestBlock& block, std::span<std::uint8_t> keep) const override {
     for (std::size_t i = 0; i < block.size(); ++i)
-      contacts.push_back({block.kind(), block.vertices(i), 0, Vec3::Zero(), {0, 0, 0, 0}, Vec3::Zero(), false});
+      if (share_shell_vertex(block.kind(), block.vertices(i))) keep[i] = 0;
   }
 };
 
-Pipeline make_pipeline(const std::string& name) {
+/// Contacts may be reported a thousandth of the substep early. Features that rest at the separation can need any number
+/// of intervals: the search ends early for them, and `exact` decides.
+Pipeline make_pipeline(const std::string& name, bool shells) {
   Registry registry = Registry::standard();
-  registry.add<NarrowPhase>(
-      {"take-all",
-       "reports every pair that the filters keep",
-       Guarantee::conservative,
+  registry.add<FeatureFilter>(
+      {"shell-neighbours",
+       "tests of features without a common shell vertex",
+       Guarantee::exact,
        {},
-       [](const OptionValues&) -> std::unique_ptr<NarrowPhase> { return std::make_unique<TakeAll>(); }});
+       [](const OptionValues&) -> std::unique_ptr<FeatureFilter> { return std::make_unique<ShellNeighbours>(); }});
   PipelineSpec spec = registry.pipeline(name);
-  spec.narrow_phase = {"take-all"};
-  // All pairs that filters keep are stored and tested many times.
-  if (spec.feature_filters.empty()) spec.feature_filters = {{"feature-kdop"}, {"coplanarity"}, {"feature-csat"}};
+  if (shells) spec.feature_filters.push_back({"shell-neighbours"});
+  spec.narrow_phase = {"inclusion", {{"time_tolerance", "1e-3"}, {"max_intervals", "40"}, {"undecided", "exact"}}};
   return Pipeline(registry, spec);
 }
 
@@ -70,8 +61,8 @@ ContactDetection::ContactDetection(const Topology& model, std::span<const double
       thickness_(thickness.begin(), thickness.end()),
       reference_(reference.begin(), reference.end()),
       config_(std::move(config)),
-      runner_(make_pipeline(config_.pipeline), {.executor = &executor, .filter = filter_of(config_)}),
-      narrow_(Inclusion::Config{.time_tolerance = kTimeTolerance, .max_intervals = kMaxIntervals}) {
+      runner_(make_pipeline(config_.pipeline, has_shells(model.mesh())),
+              {.executor = &executor, .filter = filter_of(config_), .lists = config_.lists}) {
   if (has_shells(model.mesh())) {
     thickener_.emplace(model.mesh());
     solid_ = std::make_unique<Topology>(thickener_->solid_mesh(model.mesh()), executor);
@@ -88,9 +79,6 @@ void ContactDetection::follow(const TopologyEdit& edit, std::span<const double> 
                               std::span<const Vec3> reference, std::span<const Index> origins) {
   thickness_.assign(thickness.begin(), thickness.end());
   reference_.assign(reference.begin(), reference.end());
-  candidates_.clear();
-  vf_.clear();
-  ee_.clear();
   placed0_.from.clear();
   placed1_.from.clear();
   if (thickener_) {
@@ -112,80 +100,42 @@ void ContactDetection::follow(const TopologyEdit& edit, std::span<const double> 
   surface_->update(collision_topology(), origins);
 }
 
-const std::vector<Vec3>& ContactDetection::place(std::span<const Vec3> x, Placed& placed, Executor& executor) {
+const std::vector<Vec3>& ContactDetection::place(std::span<const Vec3> x, Placed& placed) {
   if (!std::equal(x.begin(), x.end(), placed.from.begin(), placed.from.end())) {
-    thickener_->positions(x, thickness_, placed.to, scratch_, executor);
+    thickener_->positions(x, thickness_, placed.to, scratch_, runner_.executor());
     placed.from.assign(x.begin(), x.end());
   }
   return placed.to;
 }
 
-/// A substep begins at the end of the one before it, and is tested several times with different ends.
-void ContactDetection::set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor) {
+/// A substep begins at the end of the one before it, and is asked about several times with different ends.
+void ContactDetection::set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1) {
   if (!thickener_) return motion_.set_linear(x0, x1);
   if (std::equal(x0.begin(), x0.end(), placed1_.from.begin(), placed1_.from.end())) std::swap(placed0_, placed1_);
-  motion_.set_linear(place(x0, placed0_, executor), place(x1, placed1_, executor));
+  motion_.set_linear(place(x0, placed0_), place(x1, placed1_));
 }
 
-void ContactDetection::query(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const Vec3> ahead) {
-  set_motion(x0, ahead.empty() ? x1 : ahead, runner_.executor());
-  queried_ = motion_;
-  queried_end_ = ahead.empty() ? 1 : 0.5;
+void ContactDetection::find(std::span<const Vec3> x0, std::span<const Vec3> x1, std::vector<FoundContact>& found) {
+  set_motion(x0, x1);
+  run(config_.separation, {}, found);
+}
+
+void ContactDetection::run(double separation, Request request, std::vector<FoundContact>& found) {
+  request.count_adjacent = false;
+  runner_.set_separation(separation);
+  const std::vector<Contact>& contacts = runner_.run(collision_topology(), motion_, request).contacts;
+  found.resize(contacts.size());
+  if (contacts.empty()) return;
   find_middles();
-  reach_ = std::clamp(spread(), config_.min_margin, config_.max_margin);
-  runner_.set_separation(config_.separation + reach_);
-  const StepResult& found = runner_.run(collision_topology(), motion_);
-  candidates_.clear();
-  for (const Contact& contact : found.contacts)
-    if (!thickener_ || !share_shell_vertex(contact.kind, contact.vertices))
-      candidates_.push_back({contact.kind, contact.vertices});
-  find_slots();
-}
-
-/// Greatest difference between displacements of vertices: contacts should not change displacements by more.
-double ContactDetection::spread() const {
-  Eigen::AlignedBox3d box;
-  for (Index v = 0; v < motion_.vertex_count(); ++v) box.extend(Vec3(motion_.point(v, 1) - motion_.point(v, 0)));
-  return box.isEmpty() ? 0 : 2 * box.diagonal().norm();
-}
-
-void ContactDetection::find_slots() {
-  const Features& features = collision_topology().features();
-  vf_.clear();
-  ee_.clear();
-  for (const auto& [kind, v] : candidates_) {
-    if (kind == FeatureKind::vf) {
-      vf_.push_back({v[0], features.find_triangle(v[1], v[2], v[3])});
-    } else {
-      const Index a = features.find_edge(v[0], v[1]), b = features.find_edge(v[2], v[3]);
-      ee_.push_back({std::min(a, b), std::max(a, b)});
-    }
-  }
-}
-
-bool ContactDetection::covers(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor) {
-  set_motion(x0, x1, executor);
-  if (queried_.vertex_count() != motion_.vertex_count()) return false;
-  const double reach = reach_ * reach_ / 4;
-  std::atomic<bool> covered = true;
-  executor.parallel_for(motion_.vertex_count(), kVertexGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (auto v = static_cast<Index>(begin); v < end && covered; ++v)
-      for (int at = 0; at < 2; ++at)
-        if (!((motion_.point(v, at) - queried_.position(v, at * queried_end_)).squaredNorm() <= reach)) covered = false;
+  const ContactJudge judge(
+      {collision_topology(), motion_, *surface_, reference_, middles_, copies(), config_.adjacent, config_.separation});
+  runner_.executor().parallel_for(found.size(), kContactGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < end; ++i) found[i] = judge.describe(contacts[i]);
   });
-  return covered;
 }
 
-void ContactDetection::contacts(std::span<const Vec3> x0, std::span<const Vec3> x1, double separation,
-                                Executor& executor, std::vector<FoundContact>& found) {
-  found.clear();
-  if (candidates() == 0) return;
-  set_motion(x0, x1, executor);
-  test(vf_, ee_, separation, executor, found);
-}
-
-void ContactDetection::keep_touching(Executor& executor, std::vector<FoundContact>& found) {
-  std::vector<FeaturePair> vf, ee;
+void ContactDetection::keep_touching(std::vector<FoundContact>& found) {
+  near_.clear();
   for (const FoundContact& c : found) {
     if (c.verdict != ContactVerdict::resist) continue;
     // The distance decreases at most by the remaining motion of a vertex of one feature relative to one of the other.
@@ -197,60 +147,13 @@ void ContactDetection::keep_touching(Executor& executor, std::vector<FoundContac
                              motion_.point(c.features[j], 1) + motion_.point(c.features[j], 0))
                                 .norm());
     const double apart = c.at_start ? std::abs(c.gap0) : config_.separation;
-    if ((1 - c.toi + 1e-3) * max >= apart * (1 - 1e-3)) (c.kind == FeatureKind::vf ? vf : ee).push_back(slots(c));
+    if ((1 - c.toi + 1e-3) * max >= apart * (1 - 1e-3))
+      c.kind == FeatureKind::vf ? near_.vf.push_back(c.slots)
+                                : near_.ee.push_back({std::min(c.slots.a, c.slots.b), std::max(c.slots.a, c.slots.b)});
   }
   found.clear();
-  if (!vf.empty() || !ee.empty()) test(vf, ee, 0, executor, found);
+  if (near_.size() > 0) run(0, {.tests = &near_}, found);
   std::erase_if(found, [](const FoundContact& c) { return c.verdict != ContactVerdict::resist || c.at_start; });
-}
-
-FeaturePair ContactDetection::slots(const FoundContact& c) const {
-  const Features& features = collision_topology().features();
-  const auto& v = c.features;
-  if (c.kind == FeatureKind::vf) return {v[0], features.find_triangle(v[1], v[2], v[3])};
-  const Index a = features.find_edge(v[0], v[1]), b = features.find_edge(v[2], v[3]);
-  return {std::min(a, b), std::max(a, b)};
-}
-
-void ContactDetection::test(const std::vector<FeaturePair>& vf, const std::vector<FeaturePair>& ee, double separation,
-                            Executor& executor, std::vector<FoundContact>& found) {
-  const Step step{collision_topology(), motion_, runner_.filter(), separation};
-  const ContactJudge judge(
-      {collision_topology(), motion_, *surface_, reference_, middles_, copies(), config_.adjacent, config_.separation});
-  const std::size_t vf_chunks = (vf.size() + kChunk - 1) / kChunk, ee_chunks = (ee.size() + kChunk - 1) / kChunk;
-  if (chunks_.size() < vf_chunks + ee_chunks) chunks_.resize(vf_chunks + ee_chunks);
-  while (blocks_.size() < executor.workers()) blocks_.push_back(std::make_unique<TestBlock>());
-  executor.parallel_for(vf_chunks + ee_chunks, 1, [&](std::size_t begin, std::size_t end, unsigned worker) {
-    NarrowCounters counters;
-    std::vector<Contact> contacts;
-    TestBlock& block = *blocks_[worker];
-    for (std::size_t c = begin; c < end; ++c) {
-      const bool is_vf = c < vf_chunks;
-      const std::vector<FeaturePair>& pairs = is_vf ? vf : ee;
-      const std::size_t first = (is_vf ? c : c - vf_chunks) * kChunk;
-      contacts.clear();
-      const FeatureKind kind = is_vf ? FeatureKind::vf : FeatureKind::ee;
-      block.gather(step, kind, std::span(pairs).subspan(first, std::min(kChunk, pairs.size() - first)));
-      filter(step, block);
-      StageState none;
-      if (!block.empty()) narrow_.run(step, none, worker, block, contacts, counters);
-      chunks_[c].clear();
-      for (const Contact& contact : contacts) chunks_[c].push_back(judge.describe(contact));
-    }
-  });
-  for (std::size_t c = 0; c < vf_chunks + ee_chunks; ++c)
-    found.insert(found.end(), chunks_[c].begin(), chunks_[c].end());
-}
-
-/// Drops tests before the narrow phase: most pairs of a query are further apart than the separation in a substep.
-void ContactDetection::filter(const Step& step, TestBlock& block) const {
-  std::array<std::uint8_t, kChunk> keep;
-  keep.fill(1);
-  const auto flags = std::span(keep).first(block.padded_size());
-  StageState none;
-  kdop_filter_.run(step, none, 0, block, flags);
-  csat_filter_.run(step, none, 0, block, flags);
-  block.compact(flags);
 }
 
 void ContactDetection::find_middles() {
@@ -269,17 +172,6 @@ void ContactDetection::find_middles() {
   }
   for (std::size_t i = 0; i < count.size(); ++i)
     if (count[i] > 0) middles_[i] /= count[i];
-}
-
-void ContactDetection::archive(Archive& archive) {
-  static_assert(std::is_trivially_copyable_v<Candidate>);
-  archive(candidates_);
-  archive(middles_);
-  if (!archive.reading()) return;
-  for (const Candidate& candidate : candidates_)
-    for (Index v : candidate.vertices)
-      if (v >= collision_topology().mesh().vertex_count()) throw InputError("checkpoint", "contacts", "damaged");
-  find_slots();
 }
 
 }  // namespace volccd::simulation

@@ -36,14 +36,14 @@ bool have_common(std::span<const Index> a, std::span<const Index> b) {
   return false;
 }
 
-std::span<const Index> first_elements(const Features& features, FeatureKind kind, const std::array<Index, 4>& v) {
-  return kind == FeatureKind::vf ? features.vertex_elements(v[0])
-                                 : features.edge_elements(features.find_edge(v[0], v[1]));
+std::span<const Index> first_elements(const Features& features, const Contact& contact) {
+  const Index slot = contact.features.a;
+  return contact.kind == FeatureKind::vf ? features.vertex_elements(slot) : features.edge_elements(slot);
 }
 
-std::span<const Index> second_elements(const Features& features, FeatureKind kind, const std::array<Index, 4>& v) {
-  return kind == FeatureKind::vf ? features.triangle_elements(features.find_triangle(v[1], v[2], v[3]))
-                                 : features.edge_elements(features.find_edge(v[2], v[3]));
+std::span<const Index> second_elements(const Features& features, const Contact& contact) {
+  const Index slot = contact.features.b;
+  return contact.kind == FeatureKind::vf ? features.triangle_elements(slot) : features.edge_elements(slot);
 }
 
 /// Normal of the triangle, or cross product of the edges. Not normalised.
@@ -73,6 +73,7 @@ FoundContact ContactJudge::describe(const Contact& contact) const {
   FoundContact found;
   found.kind = contact.kind;
   found.features = v;
+  found.slots = contact.features;
   found.toi = contact.toi;
   found.at_start = contact.at_start;
   found.normal = contact.normal;
@@ -84,7 +85,7 @@ FoundContact ContactJudge::describe(const Contact& contact) const {
     const bool first = i < (contact.kind == FeatureKind::vf ? 1u : 2u);
     found.weights[i] = first ? contact.weights[i] : -contact.weights[i];
   }
-  const auto a = first_elements(features, contact.kind, v), b = second_elements(features, contact.kind, v);
+  const auto a = first_elements(features, contact), b = second_elements(features, contact);
   found.object_a = topology.mesh().object(a[0]);
   found.object_b = topology.mesh().object(b[0]);
   found.contact_class = found.object_a != found.object_b      ? ContactClass::inter
@@ -118,8 +119,8 @@ Vec3 ContactJudge::outward(std::span<const Index> elements, const Vec3& point) c
 Vec3 ContactJudge::made_up_normal(const Contact& contact) const {
   const Features& features = s_.topology.features();
   const std::array<Index, 4>& v = contact.vertices;
-  const Vec3 apart = outward(second_elements(features, contact.kind, v), contact.point) -
-                     outward(first_elements(features, contact.kind, v), contact.point);
+  const Vec3 apart = outward(second_elements(features, contact), contact.point) -
+                     outward(first_elements(features, contact), contact.point);
   std::array<Vec3, 4> x;
   for (std::size_t i = 0; i < 4; ++i) x[i] = s_.motion.position(v[i], contact.toi);
   Vec3 n = plane_normal(contact.kind, x);
@@ -214,10 +215,8 @@ bool ContactJudge::at_twins(const Contact& contact) const {
 
 void ContactJudge::judge(const Contact& contact, FoundContact& found) const {
   const Features& features = s_.topology.features();
-  const std::array<Index, 4>& v = contact.vertices;
   const bool vf = contact.kind == FeatureKind::vf;
-  const Index first = vf ? v[0] : features.find_edge(v[0], v[1]);
-  const Index second = vf ? features.find_triangle(v[1], v[2], v[3]) : features.find_edge(v[2], v[3]);
+  const auto [first, second] = contact.features;
   const bool boundary1 = vf ? s_.surface.has_vertex(first) : s_.surface.has_edge(first);
   const bool boundary2 = vf ? s_.surface.has_triangle(second) : s_.surface.has_edge(second);
   const auto give_up = [&] { found.verdict = ContactVerdict::ignore; };
@@ -232,7 +231,7 @@ void ContactJudge::judge(const Contact& contact, FoundContact& found) const {
     if (found.normal.isZero(0)) give_up();
     return;
   }
-  const auto a = first_elements(features, contact.kind, v), b = second_elements(features, contact.kind, v);
+  const auto a = first_elements(features, contact), b = second_elements(features, contact);
   if (adjacent && have_common(a, b)) {
     if (side_in_reference(found) < 0) turn_or_leave(found);
     return;

@@ -10,7 +10,7 @@
 namespace volccd::simulation {
 namespace {
 
-/// As fractions of the separation: by how much closer features are pushed apart in a query, and up to which gap.
+/// As fractions of the separation: by how much closer features are pushed apart in a substep, and up to which gap.
 constexpr double kPush = 0.02, kPushedTo = 0.5;
 /// Gap of features that rest on each other, as a fraction of the separation. It is below 1, because otherwise the
 /// elementary tests would have to compare the distance with the separation to the last bit throughout the step.
@@ -31,7 +31,7 @@ double ContactResponse::goal(const FoundContact& found) const {
   return found.gap0 < max ? std::min(max, found.gap0 + kPush * d) : std::min(found.gap0, kRest * d);
 }
 
-ContactConstraint ContactResponse::constraint(const FoundContact& found, double elapsed, double dt,
+ContactConstraint ContactResponse::constraint(const FoundContact& found, double dt,
                                               const MovingVertices& moving) const {
   ContactConstraint c;
   c.kind = found.kind;
@@ -40,15 +40,15 @@ ContactConstraint ContactResponse::constraint(const FoundContact& found, double 
   c.weights = found.weights;
   c.normal = found.normal;
   c.toi = found.toi;
-  c.left = std::min(dt, (1 - found.toi) * elapsed);
-  c.share = c.left / dt;
+  c.share = 1 - found.toi;
+  c.left = c.share * dt;
   c.offset = found.gap1 - ContactForces::gap(c, moving.x1);
   c.goal = goal(found);
   const Material& a = bodies_[static_cast<std::size_t>(found.object_a)].material;
   const Material& b = bodies_[static_cast<std::size_t>(found.object_b)].material;
   c.friction = std::min(a.friction, b.friction);
   c.restitution = std::min(a.restitution, b.restitution);
-  if (found.at_start && c.restitution == 0) c.rebound = -std::max(0.0, found.gap0 - c.goal) / elapsed;
+  if (found.at_start && c.restitution == 0) c.rebound = -std::max(0.0, found.gap0 - c.goal) / dt;
   c.solid = found.solid;
   c.contact_class = found.contact_class;
   return c;
@@ -91,7 +91,7 @@ void ContactResponse::solve(std::span<const Vec3> x0, std::span<const Index> obj
   if (add_walls(x0, object_of, dt, moving)) forces_.solve(moving, config_.sweeps, work);
 }
 
-bool ContactResponse::add_found(double elapsed, double dt, bool first, const MovingVertices& moving) {
+bool ContactResponse::add_found(double dt, bool first, const MovingVertices& moving) {
   added_.clear();
   for (const FoundContact& found : found_) {
     if (found.verdict != ContactVerdict::resist) {
@@ -101,7 +101,7 @@ bool ContactResponse::add_found(double elapsed, double dt, bool first, const Mov
     const double wanted = goal(found);
     const double enough = wanted > 0 ? kEnough * wanted : wanted - kTolerance * config_.separation;
     if (!first && found.gap1 >= enough) continue;
-    added_.push_back(constraint(found, elapsed, dt, moving));
+    added_.push_back(constraint(found, dt, moving));
   }
   if (added_.empty()) return false;
   forces_.add(added_, moving);
@@ -109,79 +109,41 @@ bool ContactResponse::add_found(double elapsed, double dt, bool first, const Mov
 }
 
 void ContactResponse::substep(std::span<const Vec3> x0, std::span<const Index> object_of, double dt,
-                              const MovingVertices& moving, Executor& executor, ContactWork& work) {
-  resist_known(x0, object_of, dt, moving, executor, work);
-  count_pressed();
-}
-
-/// Resolves contacts with walls and contacts of the pairs of the last query.
-void ContactResponse::resist_known(std::span<const Vec3> x0, std::span<const Index> object_of, double dt,
-                                   const MovingVertices& moving, Executor& executor, ContactWork& work) {
+                              const MovingVertices& moving, ContactWork& work) {
   forces_.clear();
   bool any = add_walls(x0, object_of, dt, moving);
-  if (detection_ && detection_->candidates() > 0) {
-    detection_->contacts(x0, moving.x1, config_.separation, executor, found_);
-    ++counts_.retests;
-    any |= add_found(dt, dt, true, moving);
-  }
-  if (any) solve(x0, object_of, dt, moving, work);
-}
-
-void ContactResponse::query_substep(std::span<const Vec3> x0, std::span<const Vec3> since, double elapsed,
-                                    std::span<const Index> object_of, double dt, const MovingVertices& moving,
-                                    Executor& executor, ContactWork& work) {
-  if (!detection_) return substep(x0, object_of, dt, moving, executor, work);
-  // Known contacts are resisted first, because a query that does not cover the motion after the response is repeated.
-  resist_known(x0, object_of, dt, moving, executor, work);
-  query(since, elapsed, dt, moving);
   for (int pass = 0;; ++pass) {
-    detection_->contacts(since, moving.x1, config_.separation, executor, found_);
-    ++counts_.retests;
-    if (pass == config_.passes || !add_found(elapsed, dt, pass == 0, moving)) break;
+    find(x0, moving);
+    if (pass < config_.passes) any |= add_found(dt, pass == 0, moving);
+    if (!any) break;
     solve(x0, object_of, dt, moving, work);
-    requery(since, elapsed, dt, moving, executor);
+    any = false;
   }
   // Features that slide past each other may touch at other points than those at which the gap was smallest.
-  detection_->keep_touching(executor, found_);
+  if (!found_.empty()) detection_->keep_touching(found_);
   for (int pass = 0; pass < config_.passes && !found_.empty(); ++pass) {
     added_.clear();
     for (const FoundContact& found : found_) {
-      added_.push_back(constraint(found, elapsed, dt, moving));
+      added_.push_back(constraint(found, dt, moving));
       added_.back().goal = kClear * config_.separation;
     }
     forces_.add(added_, moving);
     solve(x0, object_of, dt, moving, work);
-    find_touching(since, elapsed, dt, moving, executor);
+    find_touching(x0, moving);
   }
-  if (!found_.empty()) hold_apart(since, elapsed, dt, moving, executor);
+  if (!found_.empty()) hold_apart(x0, moving);
   count_pressed();
 }
 
-void ContactResponse::find_touching(std::span<const Vec3> since, double elapsed, double dt,
-                                    const MovingVertices& moving, Executor& executor) {
-  requery(since, elapsed, dt, moving, executor);
-  detection_->contacts(since, moving.x1, config_.separation, executor, found_);
-  ++counts_.retests;
-  detection_->keep_touching(executor, found_);
-}
-
-void ContactResponse::query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving) {
-  ahead_.clear();
-  // The substeps until the next query test the pairs that this one finds. The motion is extrapolated with its mean
-  // velocity, so that the line passes through x1, and covers() is true.
-  if (elapsed > dt)
-    for (std::size_t i = 0; i < moving.x1.size(); ++i) ahead_.push_back(2 * moving.x1[i] - since[i]);
-  detection_->query(since, moving.x1, ahead_);
-  if (ahead_.empty())
-    queried_end_.assign(moving.x1.begin(), moving.x1.end());
-  else
-    queried_end_ = ahead_;
+void ContactResponse::find(std::span<const Vec3> x0, const MovingVertices& moving) {
+  if (!detection_) return;
+  detection_->find(x0, moving.x1, found_);
   ++counts_.queries;
 }
 
-void ContactResponse::requery(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
-                              Executor& executor) {
-  if (!detection_->covers(since, moving.x1, executor)) query(since, elapsed, dt, moving);
+void ContactResponse::find_touching(std::span<const Vec3> x0, const MovingVertices& moving) {
+  find(x0, moving);
+  detection_->keep_touching(found_);
 }
 
 void ContactResponse::count_pressed() {
@@ -201,15 +163,14 @@ Index ContactResponse::group_of(Index node) {
 /// Features that would still touch are moved as groups without rotation, so that no features in a group touch. A group
 /// with a guided body moves as that body (of several, or with fixed vertices, features may touch). Only positions
 /// change; the velocities remain those after the impulses.
-void ContactResponse::hold_apart(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
-                                 Executor& executor) {
+void ContactResponse::hold_apart(std::span<const Vec3> x0, const MovingVertices& moving) {
   group_.resize(moving.x1.size() + moving.bodies.bodies().size());
   for (Index i = 0; i < group_.size(); ++i) group_[i] = i;
   members_.clear();
   for (int round = 0; round < kHoldRounds; ++round) {
     gather_groups(moving);
-    hold_groups(since, moving);
-    find_touching(since, elapsed, dt, moving, executor);
+    hold_groups(x0, moving);
+    find_touching(x0, moving);
     if (found_.empty()) break;
   }
   counts_.held += members_.size();
@@ -232,7 +193,7 @@ void ContactResponse::gather_groups(const MovingVertices& moving) {
   sort_unique(members_);
 }
 
-void ContactResponse::hold_groups(std::span<const Vec3> since, const MovingVertices& moving) {
+void ContactResponse::hold_groups(std::span<const Vec3> x0, const MovingVertices& moving) {
   const auto vertices = static_cast<Index>(moving.x1.size());
   std::vector<RigidBody>& bodies = moving.bodies.bodies();
   struct Sum {
@@ -255,13 +216,13 @@ void ContactResponse::hold_groups(std::span<const Vec3> since, const MovingVerti
         sum.guided = bodies[m - vertices].center - bodies[m - vertices].marked_center;
       sum.mass += mass;
       sum.moment += mass * (is_body ? Vec3(bodies[m - vertices].center - bodies[m - vertices].marked_center)
-                                    : Vec3(moving.x1[m] - since[m]));
+                                    : Vec3(moving.x1[m] - x0[m]));
     }
     const Vec3 by = sum.held || !(sum.mass > 0) ? sum.guided : Vec3(sum.moment / sum.mass);
     for (std::size_t k = i; k < end; ++k) {
       const Index m = order[k].second;
       if (m < vertices) {
-        if (moving.inverse_mass[m] > 0) moving.x1[m] = since[m] + by;
+        if (moving.inverse_mass[m] > 0) moving.x1[m] = x0[m] + by;
         continue;
       }
       RigidBody& body = bodies[m - vertices];

@@ -13,8 +13,7 @@
 namespace volccd::simulation {
 
 struct ContactCounts {
-  std::uint64_t queries = 0, retests = 0, inter = 0, intra = 0, adjacent = 0, leaving = 0, ignored = 0, held = 0,
-                unresolved = 0;
+  std::uint64_t queries = 0, inter = 0, intra = 0, adjacent = 0, leaving = 0, ignored = 0, held = 0, unresolved = 0;
 };
 
 class ContactResponse {
@@ -30,18 +29,12 @@ class ContactResponse {
       : config_(config), detection_(std::move(detection)), bodies_(bodies), walls_(walls) {}
 
   ContactDetection* detection() { return detection_.get(); }
-  /// Positions at the end of the last query, its look-ahead included.
-  std::span<const Vec3> queried_end() const { return queried_end_; }
 
-  /// Resolve the contacts of a substep of length dt from the positions `x0`. substep() tests the pairs of the last
-  /// query only. query_substep() makes a query over the motion since the last one, which began at the positions `since`
-  /// (when RigidBodies::mark() was called), `elapsed` ago; afterwards no two features touch, except for the pairs that
-  /// counts().unresolved counts. `object_of`: body by vertex, for walls.
+  /// Resolves the contacts of a substep of length dt from the positions `x0`, where RigidBodies::mark() was called;
+  /// afterwards no two features touch, except for the pairs that counts().unresolved counts. `object_of`: body by
+  /// vertex, for walls.
   void substep(std::span<const Vec3> x0, std::span<const Index> object_of, double dt, const MovingVertices& moving,
-               Executor& executor, ContactWork& work);
-  void query_substep(std::span<const Vec3> x0, std::span<const Vec3> since, double elapsed,
-                     std::span<const Index> object_of, double dt, const MovingVertices& moving, Executor& executor,
-                     ContactWork& work);
+               ContactWork& work);
 
   /// The constraints of the last substep.
   const std::vector<ContactConstraint>& constraints() const { return forces_.constraints(); }
@@ -49,23 +42,16 @@ class ContactResponse {
 
  private:
   bool add_walls(std::span<const Vec3> x0, std::span<const Index> object_of, double dt, const MovingVertices& moving);
-  void resist_known(std::span<const Vec3> x0, std::span<const Index> object_of, double dt, const MovingVertices& moving,
-                    Executor& executor, ContactWork& work);
   void solve(std::span<const Vec3> x0, std::span<const Index> object_of, double dt, const MovingVertices& moving,
              ContactWork& work);
-  bool add_found(double elapsed, double dt, bool first, const MovingVertices& moving);
-  ContactConstraint constraint(const FoundContact& found, double elapsed, double dt,
-                               const MovingVertices& moving) const;
+  void find(std::span<const Vec3> x0, const MovingVertices& moving);
+  void find_touching(std::span<const Vec3> x0, const MovingVertices& moving);
+  bool add_found(double dt, bool first, const MovingVertices& moving);
+  ContactConstraint constraint(const FoundContact& found, double dt, const MovingVertices& moving) const;
   double goal(const FoundContact& found) const;
-  void query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving);
-  void requery(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
-               Executor& executor);
-  void find_touching(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
-                     Executor& executor);
-  void hold_apart(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
-                  Executor& executor);
+  void hold_apart(std::span<const Vec3> x0, const MovingVertices& moving);
   void gather_groups(const MovingVertices& moving);
-  void hold_groups(std::span<const Vec3> since, const MovingVertices& moving);
+  void hold_groups(std::span<const Vec3> x0, const MovingVertices& moving);
   Index group_of(Index node);
   void count_pressed();
 
@@ -76,7 +62,6 @@ class ContactResponse {
   ContactForces forces_;
   ContactCounts counts_;
   std::vector<FoundContact> found_;
-  std::vector<Vec3> ahead_, queried_end_;
   std::vector<ContactConstraint> added_;
   /// Used by hold_apart(): groups of vertices and rigid bodies (union-find; bodies follow the vertices), and the
   /// members of all groups.

@@ -25,6 +25,7 @@ enum class ContactVerdict : std::uint8_t {
 struct FoundContact {
   FeatureKind kind;
   std::array<Index, 4> features;  ///< Contact::vertices: vertices of the collision mesh
+  FeaturePair slots;              ///< Contact::features
   std::array<Index, 4> vertices;  ///< of the simulated mesh: for a shell's prism, the vertices of the shell
   std::array<double, 4> weights;  ///< of the first feature; those of the second are negative
   Vec3 normal;                    ///< to the side of the second feature on which the first should be

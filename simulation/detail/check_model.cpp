@@ -58,7 +58,6 @@ void check_model(const Model& model) {
 void check_options(const SimulationOptions& options) {
   if (!(options.step_safety > 0 && options.step_safety <= 1)) throw ConfigError("step_safety must be in (0, 1]");
   if (!(options.max_step > 0)) throw ConfigError("max_step must be above 0");
-  if (options.substeps_per_query < 1) throw ConfigError("substeps_per_query must be 1 or more");
   if (options.contact_passes < 1 || options.contact_iterations < 1)
     throw ConfigError("contact_passes and contact_iterations must be 1 or more");
   if (options.topology_interval < 1) throw ConfigError("topology_interval must be 1 or more");

@@ -24,10 +24,10 @@ struct Simulation::State {
 
   // A substep.
   double next_step(double until, bool& last) const;
-  void substep(double dt, bool query);
+  void substep(double dt);
   void kick(double dt);
   void damp_bodies(double dt);
-  void collide(double dt, bool query);
+  void collide(double dt);
   void hinder(std::span<const Vec3> velocity, std::span<const Vec3> x0, std::span<const Vec3> end, double dt);
   void evaluate_forces(double dt);
   void account();
@@ -60,10 +60,7 @@ struct Simulation::State {
   std::vector<double> depth;  ///< to which each cut has been made
   std::uint64_t since_edit = 0;
   std::vector<TopologyProposal> edits;
-  std::vector<Vec3> since;                   ///< positions at the last query
-  double elapsed = 0;                        ///< time since the last query
   std::vector<Vec3> asked_start, asked_end;  ///< of the last query
-  double asked_separation = 0;
 
   // Data that follow from this state.
   std::vector<double> mass, inverse_mass, damping;

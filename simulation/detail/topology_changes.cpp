@@ -12,15 +12,11 @@
 namespace volccd::simulation {
 
 void Simulation::State::change_topology() {
-  bool any = options.cutting && cut();
+  if (options.cutting) cut();
   if (since_edit >= static_cast<std::uint64_t>(options.topology_interval)) {
-    any |= options.merging && may_merge && merge(last_dt);
-    any |= options.splitting && may_split && break_and_split();
+    if (options.merging && may_merge) merge(last_dt);
+    if (options.splitting && may_split) break_and_split();
     since_edit = 0;
-  }
-  if (any) {
-    since = x;
-    elapsed = 0;
   }
 }
 

@@ -59,26 +59,22 @@ TEST(ContactBlocks, ImpactKeepsMomentumAndBalancesEnergy) {
 
 TEST(ContactFastPlate, NothingPassesThrough) {
   // In a substep, the stiff block moves by more than the thickness of the soft plate.
-  for (int group : {1, 3}) {
-    Model model =
-        blocks({{ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(-0.25, 0.05, 0.05), Vec3(40, 3, 1)},
-                {ElementType::tetrahedron, 1, 3, 3, Vec3(0.004, 0.1, 0.1)}});
-    model.bodies[0].material.youngs_modulus = 1e8;
-    model.bodies[1].material.youngs_modulus = 1e4;
-    SimulationOptions options;
-    options.substeps_per_query = group;
-    SerialExecutor executor;
-    Simulation s(model, options, executor);
-    for (double time = 5e-4; time < 0.008; time += 5e-4) {
-      s.advance_to(time);
-      ASSERT_EQ(overlaps(s), 0u) << "at " << time;
-    }
-    const SimulationCounts counts = s.drain_counts();
-    EXPECT_GT(40 * 0.008 / static_cast<double>(counts.substeps), 0.004 / 2);
-    EXPECT_GT(counts.inter, 0u);
-    EXPECT_EQ(counts.unresolved, 0u);
-    EXPECT_LT(mean(s, s.positions(), 0).x(), mean(s, s.positions(), 1).x());
+  Model model =
+      blocks({{ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(-0.25, 0.05, 0.05), Vec3(40, 3, 1)},
+              {ElementType::tetrahedron, 1, 3, 3, Vec3(0.004, 0.1, 0.1)}});
+  model.bodies[0].material.youngs_modulus = 1e8;
+  model.bodies[1].material.youngs_modulus = 1e4;
+  SerialExecutor executor;
+  Simulation s(model, {}, executor);
+  for (double time = 5e-4; time < 0.008; time += 5e-4) {
+    s.advance_to(time);
+    ASSERT_EQ(overlaps(s), 0u) << "at " << time;
   }
+  const SimulationCounts counts = s.drain_counts();
+  EXPECT_GT(40 * 0.008 / static_cast<double>(counts.substeps), 0.004 / 2);
+  EXPECT_GT(counts.inter, 0u);
+  EXPECT_EQ(counts.unresolved, 0u);
+  EXPECT_LT(mean(s, s.positions(), 0).x(), mean(s, s.positions(), 1).x());
 }
 
 TEST(ContactSlope, SticksBelowTheAngleAndSlidesAboveIt) {
@@ -158,10 +154,9 @@ TEST(ContactAtStart, FacesInTouchGetTheirNormalFromTheElements) {
     const Topology topology(model.mesh);
     SerialExecutor executor;
     ContactDetection detection(topology, std::vector<double>(topology.mesh().element_slots(), 0.0), model.positions,
-                               {"VolCCD+", ContactFeatures::all, true, {}, 1e-3, 4e-3, 4e-3}, executor);
+                               {"VolCCD+", ContactFeatures::all, true, {}, 1e-3}, executor);
     std::vector<FoundContact> found;
-    detection.query(model.positions, model.positions, {});
-    detection.contacts(model.positions, model.positions, 1e-3, executor, found);
+    detection.find(model.positions, model.positions, found);
     std::size_t resisted = 0;
     for (const FoundContact& c : found) {
       if (c.verdict != ContactVerdict::resist) continue;
@@ -206,10 +201,9 @@ TEST(ContactAdjacent, TurningOverIsResistedAndTurningBackIsNot) {
   SerialExecutor executor;
   const auto verdict = [&](bool adjacent, std::span<const Vec3> x0, std::span<const Vec3> x1) {
     ContactDetection detection(topology, std::vector<double>(1, 0.0), shape.positions,
-                               {"VolCCD+", ContactFeatures::all, adjacent, {}, 0.01, 0.02, 0.02}, executor);
+                               {"VolCCD+", ContactFeatures::all, adjacent, {}, 0.01}, executor);
     std::vector<FoundContact> found;
-    detection.query(x0, x1, {});
-    detection.contacts(x0, x1, 0.01, executor, found);
+    detection.find(x0, x1, found);
     EXPECT_EQ(found.size(), 1u);
     EXPECT_EQ(found.at(0).contact_class, ContactClass::adjacent);
     return found.at(0).verdict;

@@ -153,28 +153,24 @@ TEST(SimulationGuide, IsLinearBetweenPointsAndConstantBeyond) {
 TEST(SimulationGuide, MovesAsPrescribedAndItsWorkAndImpulseAreBooked) {
   const Model model = punched_model();
   SerialExecutor executor;
-  for (int group : {1, 3}) {
-    SimulationOptions options;
-    options.substeps_per_query = group;
-    Simulation s(model, options, executor);
-    const Ledger before = s.ledger();
-    for (double time : {0.0005, 0.006, 0.011, 0.015, 0.03}) {
-      s.advance_to(time);
-      for (const Index v : s.topology().mesh().vertices(12))
-        EXPECT_EQ(s.positions()[v], model.positions[v] + model.guides[0].displacement(time)) << time;
-    }
-    const Ledger& after = s.ledger();
-    const SimulationCounts counts = s.drain_counts();
-    EXPECT_GT(counts.inter, 0u);
-    EXPECT_EQ(counts.unresolved, 0u);
-    EXPECT_GT(mean(s, s.velocities(), 0).x(), 1) << "it was pushed at 3 m/s";
-    EXPECT_GT(after.impulse.x(), 10) << "kg m/s, from the punch alone";
-    EXPECT_LT((after.momentum - before.momentum - after.impulse).norm(), 1e-11 * after.momentum.norm());
-    EXPECT_LT((after.angular_momentum - before.angular_momentum - after.angular_impulse).norm(),
-              0.02 * after.angular_momentum.norm());
-    EXPECT_GT(after.external, 0.9 * after.kinetic);
-    EXPECT_LT(std::abs(after.balance_error()), 0.03 * after.external);
+  Simulation s(model, {}, executor);
+  const Ledger before = s.ledger();
+  for (double time : {0.0005, 0.006, 0.011, 0.015, 0.03}) {
+    s.advance_to(time);
+    for (const Index v : s.topology().mesh().vertices(12))
+      EXPECT_EQ(s.positions()[v], model.positions[v] + model.guides[0].displacement(time)) << time;
   }
+  const Ledger& after = s.ledger();
+  const SimulationCounts counts = s.drain_counts();
+  EXPECT_GT(counts.inter, 0u);
+  EXPECT_EQ(counts.unresolved, 0u);
+  EXPECT_GT(mean(s, s.velocities(), 0).x(), 1) << "it was pushed at 3 m/s";
+  EXPECT_GT(after.impulse.x(), 10) << "kg m/s, from the punch alone";
+  EXPECT_LT((after.momentum - before.momentum - after.impulse).norm(), 1e-11 * after.momentum.norm());
+  EXPECT_LT((after.angular_momentum - before.angular_momentum - after.angular_impulse).norm(),
+            0.02 * after.angular_momentum.norm());
+  EXPECT_GT(after.external, 0.9 * after.kinetic);
+  EXPECT_LT(std::abs(after.balance_error()), 0.03 * after.external);
 }
 
 TEST(SimulationGuide, StretchesWhatIsAttachedToIt) {
@@ -211,50 +207,49 @@ Model busy_model() {
   return model;
 }
 
-TEST(SimulationDeterminism, ThreadsDoNotMatter) {
-  for (int group : {1, 4}) {
+TEST(SimulationDeterminism, ThreadsAndListsDoNotMatter) {
+  SerialExecutor one;
+  const std::unique_ptr<Executor> two = make_executor(2);
+  const auto with = [](ListConfig lists) {
     SimulationOptions options;
-    options.substeps_per_query = group;
-    SerialExecutor one;
-    const std::unique_ptr<Executor> two = make_executor(2);
-    Simulation a(busy_model(), options, one), b(busy_model(), options, *two);
-    for (double time : {0.01, 0.03}) {
-      a.advance_to(time);
-      b.advance_to(time);
-    }
-    EXPECT_TRUE(same_bits(a.positions(), b.positions()));
-    EXPECT_TRUE(same_bits(a.velocities(), b.velocities()));
-    const SimulationCounts counts = a.drain_counts();
-    EXPECT_GT(counts.inter, 0u);
-    EXPECT_GT(counts.splits, 0u);
+    options.lists = lists;
+    return options;
+  };
+  std::vector<Simulation> all;
+  all.emplace_back(busy_model(), with({.use = ListConfig::Use::never}), one);
+  all.emplace_back(busy_model(), with({.use = ListConfig::Use::always, .budget = 2e-3, .steps = 10}), *two);
+  all.emplace_back(busy_model(), with({.use = ListConfig::Use::automatic}), one);
+  for (Simulation& s : all) {
+    for (double time : {0.01, 0.03}) s.advance_to(time);
+    EXPECT_TRUE(same_bits(s.positions(), all[0].positions()));
+    EXPECT_TRUE(same_bits(s.velocities(), all[0].velocities()));
   }
+  const SimulationCounts counts = all[0].drain_counts();
+  EXPECT_GT(counts.inter, 0u);
+  EXPECT_GT(counts.splits, 0u);
 }
 
 TEST(SimulationCheckpoint, GoesOnBitForBit) {
-  for (int group : {1, 3}) {
-    SimulationOptions options;
-    options.substeps_per_query = group;
-    SerialExecutor executor;
-    Simulation whole(busy_model(), options, executor);
-    whole.advance_to(0.008);
-    EXPECT_GT(whole.drain_counts().inter, 0u);
-    ASSERT_GT(whole.topology().mesh().vertex_count(), busy_model().mesh.vertex_count());
-    std::ostringstream out;
-    Archive writer(out);
-    whole.archive(writer);
-    Simulation resumed(busy_model(), options, executor);
-    std::istringstream in(out.str());
-    Archive reader(in);
-    resumed.archive(reader);
-    EXPECT_EQ(resumed.time(), whole.time());
-    EXPECT_TRUE(same_bits(whole.positions(), resumed.positions()));
-    whole.advance_to(0.02);
-    resumed.advance_to(0.02);
-    EXPECT_TRUE(same_bits(whole.positions(), resumed.positions()));
-    EXPECT_TRUE(same_bits(whole.velocities(), resumed.velocities()));
-    EXPECT_EQ(whole.ledger().balance_error(), resumed.ledger().balance_error());
-    EXPECT_EQ(whole.topology().mesh().vertex_count(), resumed.topology().mesh().vertex_count());
-  }
+  SerialExecutor executor;
+  Simulation whole(busy_model(), {}, executor);
+  whole.advance_to(0.008);
+  EXPECT_GT(whole.drain_counts().inter, 0u);
+  ASSERT_GT(whole.topology().mesh().vertex_count(), busy_model().mesh.vertex_count());
+  std::ostringstream out;
+  Archive writer(out);
+  whole.archive(writer);
+  Simulation resumed(busy_model(), {}, executor);
+  std::istringstream in(out.str());
+  Archive reader(in);
+  resumed.archive(reader);
+  EXPECT_EQ(resumed.time(), whole.time());
+  EXPECT_TRUE(same_bits(whole.positions(), resumed.positions()));
+  whole.advance_to(0.02);
+  resumed.advance_to(0.02);
+  EXPECT_TRUE(same_bits(whole.positions(), resumed.positions()));
+  EXPECT_TRUE(same_bits(whole.velocities(), resumed.velocities()));
+  EXPECT_EQ(whole.ledger().balance_error(), resumed.ledger().balance_error());
+  EXPECT_EQ(whole.topology().mesh().vertex_count(), resumed.topology().mesh().vertex_count());
 }
 
 TEST(SimulationInput, RefusesWhatDoesNotHoldTogether) {
@@ -294,9 +289,6 @@ TEST(SimulationInput, RefusesWhatDoesNotHoldTogether) {
   model.fixed.push_back(0);
   refuses(model);
   SimulationOptions options;
-  options.substeps_per_query = 0;
-  EXPECT_THROW(Simulation(blocks({{}}), options, executor), ConfigError);
-  options = {};
   options.pipeline = "nothing";
   EXPECT_THROW(Simulation(blocks({{}}), options, executor), ConfigError);
   Simulation other(blocks({{}, {.at = Vec3(1, 0, 0)}}), {}, executor), s(blocks({{}}), {}, executor);

@@ -124,14 +124,13 @@ std::size_t resisted(ContactFeatures features, bool vf, const Vec3& from, const 
   Parted parted;
   SerialExecutor executor;
   ContactDetection detection(parted.topology, std::vector<double>(2, 0.0), parted.shape.positions,
-                             {"VolCCD+", features, true, {}, 0.01, 0.05, 0.05}, executor);
+                             {"VolCCD+", features, true, {}, 0.01}, executor);
   parted.topology.apply(parted.edit);
   detection.follow(parted.edit, std::vector<double>(parted.topology.mesh().element_slots(), 0.0), parted.x,
                    parted.origins);
   std::vector<FoundContact> found;
   const std::vector<Vec3> x0 = parted.moved(from), x1 = parted.moved(to);
-  detection.query(x0, x1, {});
-  detection.contacts(x0, x1, 0.01, executor, found);
+  detection.find(x0, x1, found);
   return static_cast<std::size_t>(std::count_if(found.begin(), found.end(), [&](const FoundContact& c) {
     return c.verdict == ContactVerdict::resist && (c.kind == FeatureKind::vf) == vf;
   }));

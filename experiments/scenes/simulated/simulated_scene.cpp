@@ -11,13 +11,6 @@ namespace volccd {
 
 namespace {
 
-/// Chooses a number of substeps for which the motion between two queries stays below about a fifth of an edge.
-simulation::SimulationOptions with_queries_every(int substeps) {
-  simulation::SimulationOptions options;
-  options.substeps_per_query = substeps;
-  return options;
-}
-
 SimulatedScene bullet() {
   return {.name = "bullet",
           .description = "a copper bullet perforates a steel plate, which breaks; hexahedra",
@@ -26,8 +19,7 @@ SimulatedScene bullet() {
           .quick_elements = kBulletQuickElements,
           .frames = kBulletFrames,
           .duration = kBulletDuration,
-          .options = with_queries_every(3),
-          .version = 5};
+          .version = 6};
 }
 
 SimulatedScene bullet_with(const char* name, const char* description, simulation::ContactFeatures features) {
@@ -36,7 +28,7 @@ SimulatedScene bullet_with(const char* name, const char* description, simulation
   scene.description = description;
   scene.options.features = features;
   scene.variant_of = "bullet";
-  scene.version = 4;
+  scene.version = 5;
   return scene;
 }
 
@@ -51,8 +43,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kOctopiQuickElements,
        .frames = kOctopiFrames,
        .duration = kOctopiDuration,
-       .options = with_queries_every(4),
-       .version = 4},
+       .version = 5},
       bullet(),
       {.name = "airbag",
        .description = "a folded airbag inflates in front of a steering wheel; shells",
@@ -62,8 +53,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .frames = kAirbagFrames,
        .begin = kAirbagBegin,
        .duration = kAirbagDuration,
-       .options = with_queries_every(2),
-       .version = 4},
+       .version = 5},
       {.name = "crash",
        .description = "the front of a car of thin sheet hits a rigid wall; shells",
        .model = crash_model,
@@ -71,8 +61,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kCrashQuickElements,
        .frames = kCrashFrames,
        .duration = kCrashDuration,
-       .options = with_queries_every(20),
-       .version = 4},
+       .version = 5},
       {.name = "liver",
        .description = "a liver that hangs from its sides is cut from below by a scalpel; tetrahedra",
        .model = liver_model,
@@ -81,8 +70,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .frames = kLiverFrames,
        .begin = kLiverBegin,
        .duration = kLiverDuration,
-       .options = with_queries_every(2),
-       .version = 4},
+       .version = 5},
       {.name = "weld",
        .description = "a plate is shot at another, welds to it, and cracks it inside; hexahedra",
        .model = weld_model,
@@ -90,7 +78,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kWeldQuickElements,
        .frames = kWeldFrames,
        .duration = kWeldDuration,
-       .options = with_queries_every(2)},
+       .version = 2},
       bullet_with("bullet-boundary", "bullet; of contacts only those between features of the boundary are resisted",
                   simulation::ContactFeatures::boundary),
       bullet_with("bullet-surface", "bullet; only those between features of the surface as it was before it broke",

@@ -18,7 +18,7 @@ struct SimulatedScene {
   int frames = 0;       ///< by default; any number shows the same event, in smaller or larger steps
   double begin = 0;     ///< s: time of the first frame; the simulation before it is not stored
   double duration = 0;  ///< s, from there on
-  simulation::SimulationOptions options;
+  simulation::SimulationOptions options = {};
   std::string variant_of = {};  ///< scene from which this one differs in the options only; empty: none
   /// Must be increased whenever the frames for the same arguments change, so that older files in the cache are not
   /// used.

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace volccd::detail {
 
 namespace {
 
 constexpr Index kVertices = 256, kEdges = 64;
+/// A motion that is this many greatest budgets away from its prediction is another one.
+constexpr double kJump = 4;
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
 /// The mean length of some edges at the start of the step.
 double mean_edge(const Step& step) {
@@ -26,24 +30,49 @@ double mean_edge(const Step& step) {
 
 }  // namespace
 
-ListPolicy::Motion MotionSample::compare(const Step& step) {
+void MotionSample::begin(const Step& step) {
   const Motion& motion = step.motion;
-  const Index stride = motion.vertex_count() / kVertices + 1;
-  const int last = motion.control_points() - 1;
-  const bool known = ends_.size() == (motion.vertex_count() + stride - 1) / stride;
-  ListPolicy::Motion found{0, known ? 0 : std::numeric_limits<double>::infinity(), mean_edge(step)};
-  if (!known) ends_.clear(), ways_.clear();
-  for (Index v = 0; v < motion.vertex_count(); v += stride) {
-    const std::size_t i = v / stride;
-    if (!known) ends_.emplace_back(Vec3::Zero()), ways_.emplace_back(Vec3::Zero());
-    const Vec3 from = motion.point(v, 0), to = motion.point(v, last), way = to - from;
-    if (step.features().first_element_of_vertex(v) != kNone) {
-      found.length = std::max(found.length, way.norm());
-      if (known) found.distance = std::max({found.distance, (from - ends_[i]).norm(), (way - ways_[i]).norm()});
-    }
-    ends_[i] = to;
-    ways_[i] = way;
+  vertices_ = motion.vertex_count();
+  stride_ = vertices_ / kVertices + 1;
+  while (std::gcd(stride_, Index{6}) != 1) ++stride_;  // numbers of copies, of which some are not used, are often such
+  starts_.clear();
+  ways_.clear();
+  for (Index v = 0; v < vertices_; v += stride_) {
+    starts_.emplace_back(motion.point(v, 0));
+    ways_.emplace_back(motion.point(v, motion.control_points() - 1) - starts_.back());
   }
+  edge_ = mean_edge(step);
+  steps_ = 1;
+  distance_ = 0;
+}
+
+ListPolicy::Motion MotionSample::compare(const Step& step, const ListPolicy& policy) {
+  const Motion& motion = step.motion;
+  const int last = motion.control_points() - 1;
+  const bool known = !starts_.empty() && motion.vertex_count() >= vertices_;
+  if (!known) begin(step);
+  const auto visit = [&](auto&& with) {
+    for (std::size_t i = 0; i < starts_.size(); ++i)
+      if (const auto v = static_cast<Index>(i * stride_); step.features().first_element_of_vertex(v) != kNone)
+        with(motion.point(v, 0), motion.point(v, last), starts_[i], ways_[i]);
+  };
+  double length = 0, first = 0, second = 0, squares = 0;
+  visit([&](const Vec3& from, const Vec3& to, const Vec3& start, const Vec3& way) {
+    length = std::max(length, (to - from).norm());
+    first += way.dot(from - start);
+    second += way.dot(to - start);
+    squares += way.squaredNorm();
+  });
+  if (!known) return {length, kUnknown, 1, edge_};
+  const auto time = [&](double sum) { return squares > 0 ? std::max(sum / squares, 0.0) : 0; };
+  const double t0 = time(first), t1 = time(second), steps = std::max(t1 - 1, 1.0), budget = policy.max_budget() * edge_;
+  double distance = distance_;
+  visit([&](const Vec3& from, const Vec3& to, const Vec3& start, const Vec3& way) {
+    distance = std::max({distance, (from - start - t0 * way).norm(), (to - start - t1 * way).norm()});
+  });
+  if (distance <= budget) steps_ = std::max(steps_, steps), distance_ = distance;
+  const ListPolicy::Motion found{length, distance <= kJump * budget ? distance_ : kUnknown, steps_, edge_};
+  if (distance > distance_ || steps * length > policy.reach() * edge_) begin(step);
   return found;
 }
 

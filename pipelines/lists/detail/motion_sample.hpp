@@ -1,8 +1,6 @@
-// What a few vertices tell about a motion: how fast it is, and whether it goes on as the one before it.
+// What a few vertices tell about a motion: how fast it is, and how far it gets from a prediction.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include <volccd/core/heap_bytes.hpp>
@@ -11,18 +9,26 @@
 
 namespace volccd::detail {
 
-/// Compares some vertices and edges, evenly spaced among the slots, from step to step. Not thread-safe.
+/// Predicts that some vertices, evenly spaced among the slots, go on on straight lines as in one step, and compares the
+/// steps after it with that: those of a solver that goes on, that vibrates, and that asks about a step again. Begins
+/// anew when a list of that reach would end. Not thread-safe.
 class MotionSample {
  public:
-  /// Compares the motion with that of the last call. O(1).
-  ListPolicy::Motion compare(const Step& step);
+  /// What is known about the motion of this step, and of the steps since the prediction was made, for this policy.
+  /// O(1).
+  ListPolicy::Motion compare(const Step& step, const ListPolicy& policy);
+  /// Predicts from this step on.
+  void begin(const Step& step);
   /// The next step is compared with no other one.
-  void forget() { ends_.clear(); }
+  void forget() { starts_.clear(); }
 
-  std::size_t bytes() const { return heap_bytes(ends_, ways_); }
+  std::size_t bytes() const { return heap_bytes(starts_, ways_); }
 
  private:
-  std::vector<Vec3> ends_, ways_;  ///< of the sampled vertices in the last step
+  std::vector<Vec3> starts_, ways_;  ///< of the sampled vertices in the first step; empty if there is none
+  Index stride_ = 1, vertices_ = 0;  ///< of the mesh in that step
+  double edge_ = 0;                  ///< a mean length there
+  double steps_ = 1, distance_ = 0;  ///< the largest distance so far, and in how many steps
 };
 
 }  // namespace volccd::detail

@@ -167,7 +167,7 @@ TEST_F(Bake, TheBarIsTornAndItsRecordSaysSo) {
   EXPECT_GT(edits, 0u);
 }
 
-/// The bar touches nothing, and each substep has its own query. So the last query ends at the frame and begins one
+/// The bar touches nothing. So the last query ends at the frame and begins one
 /// substep earlier, also for the vertices that splitting has created.
 TEST_F(Bake, EachFrameHasTheLastQueryOfItsSimulation) {
   SequenceReader reader(*bake(bar_scene(), {}, serial_));

@@ -277,6 +277,29 @@ TEST(CandidateLists, AreRefusedWhereTheyWouldLoseContacts) {
   }
 }
 
+/// Tests that a caller gives are those that are performed, whatever the list has.
+TEST(CandidateLists, LeaveGivenTestsAlone) {
+  const Shape shape = two_bodies(block(ElementType::tetrahedron, 2, 2, 2));
+  const Topology topology(shape.mesh());
+  std::vector<Vec3> ends = shape.positions;
+  for (Vec3& x : ends) x *= 0.1;
+  const Motion motion = Motion::linear(shape.positions, ends);
+  StepRunner listed(Pipeline(registry(), registry().pipeline("VolCCD+")),
+                    {.separation = 0.2, .lists = {ListConfig::Use::always, 0.1, 1}});
+  const std::size_t all = listed.run(topology, motion).contacts.size();
+  ASSERT_GT(all, 1u);
+  EXPECT_EQ(listed.result().statistics.list_steps, 1u);
+  TestBatch one;
+  const Contact& first = listed.result().contacts[0];
+  (first.kind == FeatureKind::vf ? one.vf : one.ee).push_back(first.features);
+  EXPECT_EQ(listed.run(topology, motion, {.tests = &one}).contacts.size(), 1u);
+  EXPECT_EQ(listed.run(topology, motion).contacts.size(), all);
+  TestBatch candidates;
+  EXPECT_TRUE(listed.run(topology, motion, {.candidates = &candidates}).contacts.empty());
+  EXPECT_EQ(listed.result().statistics.reused_steps, 0u);
+  EXPECT_GE(candidates.size(), all);
+}
+
 // ---- the bounds
 
 #if LDBL_MANT_DIG == 113  // AArch64

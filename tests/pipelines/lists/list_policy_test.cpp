@@ -15,7 +15,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 struct Solver {
   double fresh = 1, list = 2, use = 0.1, waste = 0.5;
   int covered = 50;
-  ListPolicy::Motion motion{.length = 0.002, .distance = 0, .edge = 1};
+  ListPolicy::Motion motion{.length = 0.002, .distance = 0, .steps = 1, .edge = 1};
 
   /// The time of `steps` steps.
   double run(ListPolicy& policy, int steps) {
@@ -41,7 +41,7 @@ struct Solver {
   }
 
   double used(ListPolicy& policy) {
-    policy.record_use(use, waste);
+    policy.record_use(use, waste * use);
     if (!policy.is_worthwhile()) policy.record_end(0, 0, 0), left = 0, listed = false;
     return use;
   }
@@ -70,9 +70,10 @@ TEST(ListPolicy, CostsLittleWhereListsDoNotPay) {
 }
 
 TEST(ListPolicy, MakesNoneForFastOrUnsteadyMotions) {
-  for (const ListPolicy::Motion motion : {ListPolicy::Motion{.length = 0.2, .distance = 0, .edge = 1},
-                                          ListPolicy::Motion{.length = 0.002, .distance = 0.02, .edge = 1},
-                                          ListPolicy::Motion{.length = 0.002, .distance = kNever, .edge = 1}}) {
+  for (const ListPolicy::Motion motion :
+       {ListPolicy::Motion{.length = 0.2, .distance = 0, .steps = 1, .edge = 1},
+        ListPolicy::Motion{.length = 0.002, .distance = 0.02, .steps = 1, .edge = 1},
+        ListPolicy::Motion{.length = 0.002, .distance = kNever, .steps = 1, .edge = 1}}) {
     ListPolicy policy;
     Solver solver{.motion = motion};
     EXPECT_EQ(solver.run(policy, 1000), 999);
@@ -88,13 +89,22 @@ ListPolicy ready() {
   return policy;
 }
 
-/// The first fresh step builds tables and tells nothing.
+/// The first fresh step builds tables and tells nothing. After it, the first list is made at once, and the next one
+/// when that has been paid.
 TEST(ListPolicy, WaitsUntilAListIsPaid) {
   ListPolicy policy;
-  const ListPolicy::Motion motion{.length = 0.002, .distance = 0, .edge = 1};
-  for (int k = 0; k < 10; ++k) {
+  const ListPolicy::Motion motion{.length = 0.002, .distance = 0, .steps = 1, .edge = 1};
+  for (const double seconds : {20.0, 1.0}) {
     EXPECT_FALSE(policy.plan(motion));
-    policy.record_fresh(k == 0 ? 20 : 1);
+    policy.record_fresh(seconds);
+  }
+  EXPECT_TRUE(policy.plan(motion));
+  policy.record_list(2);
+  policy.record_use(0.5, 0.5);
+  policy.record_end(0, 1, 0);
+  for (int k = 0; k < 30; ++k) {
+    EXPECT_FALSE(policy.plan(motion));
+    policy.record_fresh(1);
   }
   EXPECT_TRUE(ready().plan(motion));
 }
@@ -103,12 +113,12 @@ TEST(ListPolicy, WaitsUntilAListIsPaid) {
 TEST(ListPolicy, BalancesTheCostOfListsAndOfTests) {
   const auto steps_after = [](double list, double use) {
     ListPolicy policy = ready();
-    const ListPolicy::Motion motion{.length = 0.002, .distance = 0, .edge = 1};
+    const ListPolicy::Motion motion{.length = 0.002, .distance = 0, .steps = 100, .edge = 1};
     const double before = policy.plan(motion)->steps;
     for (int i = 0; i < 4; ++i) {
       const auto plan = policy.plan(motion);
       policy.record_list(list);
-      for (double k = 0; k < plan->steps; ++k) policy.record_use(use, 1);
+      for (double k = 0; k < plan->steps; ++k) policy.record_use(use, use);
       policy.record_end(0, 0, 0);
     }
     return policy.plan(motion)->steps / before;
@@ -117,8 +127,48 @@ TEST(ListPolicy, BalancesTheCostOfListsAndOfTests) {
   EXPECT_LT(steps_after(2, 0.5), 0.5);
 }
 
+/// A longer list that does not make steps faster, as one that ends early anyway, is followed by shorter ones.
+TEST(ListPolicy, TakesBackWhatDidNotPay) {
+  ListPolicy policy = ready();
+  double before = policy.reach();
+  for (const double list : {1.0, 1.0, 2.0}) {
+    before = policy.reach();
+    policy.record_list(list);
+    for (int k = 0; k < 20; ++k) policy.record_use(0.01, 0.01);
+    policy.record_end(0, 0, 0);
+  }
+  EXPECT_LT(policy.reach(), before);
+}
+
+/// A motion that was followed for ten steps may be expected to stay as near for ten more; one that was followed for a
+/// single step may not.
+TEST(ListPolicy, TrustsWhatItHasSeen) {
+  ListPolicy::Motion motion{.length = 0.01, .distance = 0.02, .steps = 1, .edge = 1};
+  EXPECT_FALSE(ready().plan(motion));
+  motion.steps = 10;
+  const auto plan = ready().plan(motion);
+  ASSERT_TRUE(plan);
+  EXPECT_GE(plan->steps, 8);
+  EXPECT_GE(plan->budget, motion.distance);
+  motion.distance = 1.1 * ListPolicy().max_budget();
+  EXPECT_FALSE(ready().plan(motion));
+}
+
+/// A list that was too dear is tried again when what it cost has been forgotten and paid.
+TEST(ListPolicy, ForgetsWhatAListCost) {
+  ListPolicy policy = ready();
+  policy.record_list(30);
+  policy.record_use(0.1, 0.1);
+  policy.record_end(0, 1, 0);
+  int steps = 0;
+  for (; !policy.has_credit() && steps < 10000; ++steps) policy.record_fresh(1);
+  EXPECT_GT(steps, 900);
+  EXPECT_LT(steps, 1100);
+  EXPECT_NEAR(policy.reach(), ListPolicy().reach(), 1e-6);
+}
+
 TEST(ListPolicy, BudgetsFollowTheDistances) {
-  const ListPolicy::Motion steady{.length = 0.002, .distance = 0, .edge = 1};
+  const ListPolicy::Motion steady{.length = 0.002, .distance = 0, .steps = 1, .edge = 1};
   const auto budget_after = [&](double covered_share, double missed_share) {
     ListPolicy policy = ready();
     const double before = policy.plan(steady)->budget;
