@@ -209,14 +209,14 @@ RecordFile open_record(const ExperimentOptions& options, const std::string& name
   if (record.set_aside())
     report.print("{}: rows of another build or plan, kept as {}\n", record.incomplete_file(), record.old_file());
   if (record.resumed() > 0)
-    report.print("{}: continued; {} complete\n", record.incomplete_file(), counted(record.resumed(), "window"));
+    report.print("{}: continued; {} complete\n", record.incomplete_file(), counted(record.resumed(), "part"));
   return record;
 }
 
 /// Runs the measurements that are missing in the record, with a line of progress.
 void measure(const ExperimentKind& kind, const PlanContext& context, const ExperimentPlan& plan, RecordFile& record) {
   try {
-    if (kind.rows && !record.has("rows")) {
+    if (kind.rows) {
       PlanContext of_rows = context;
       std::unique_ptr<Progress> progress;
       of_rows.progress = [&](std::size_t done, std::size_t total) {
@@ -224,7 +224,7 @@ void measure(const ExperimentKind& kind, const PlanContext& context, const Exper
         progress->advance(done);
         InterruptGuard::check();
       };
-      record.add("rows", kind.rows(of_rows));
+      kind.rows(of_rows, record);
     }
     Progress progress(kind.name, measured_runs(plan), "runs");
     run_experiment(context.registry, plan, *context.executor, record, [&](std::size_t done, std::size_t) {

@@ -10,6 +10,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/experiments/harness/plan.hpp>
+#include <volccd/experiments/records/record_file.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 
 namespace volccd {
@@ -43,8 +44,9 @@ struct ExperimentKind {
   std::vector<TitledTable> (*tables)(const nlohmann::json& record);
   /// Makes the summary for scripts and other documents; null: there is none.
   nlohmann::json (*summary)(const nlohmann::json& record) = nullptr;
-  /// Makes the rows, if the harness does not make them from a plan; may be null.
-  std::vector<nlohmann::json> (*rows)(const PlanContext& context) = nullptr;
+  /// Makes the rows, if the harness does not make them from a plan, and adds them part by part, but for the parts that
+  /// the record has; may be null.
+  void (*rows)(const PlanContext& context, RecordFile& record) = nullptr;
   bool takes_pipelines = false, takes_settings = false;  ///< whether it uses those of the context
   bool takes_scenes = false;  ///< whether PlanContext::own_scenes can take the place of its scenes
   bool curves = false;        ///< one row for each scene and step: the report draws its numbers over the steps

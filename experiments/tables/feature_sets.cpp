@@ -252,24 +252,21 @@ ExperimentPlan feature_set_plan(const PlanContext& context) {
   return plan;
 }
 
-std::vector<json> feature_set_rows(const PlanContext& context) {
+void feature_set_rows(const PlanContext& context, RecordFile& record) {
   SerialExecutor serial;
   Executor& executor = context.executor ? *context.executor : serial;
-  std::vector<json> rows;
   const std::vector<const SimulatedScene*> scenes = compared_scenes();
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     const std::optional<std::string> file = context.file_of(source_of(*scenes[s], context));
-    if (!file) continue;
+    if (!file || record.has(scenes[s]->name)) continue;
     BakeSettings settings;
     settings.elements = context.full ? 0 : scenes[s]->quick_elements;
     const std::function<void()> check = [&] {
       if (context.progress) context.progress(s, scenes.size());
     };
-    for (json& row :
-         rows_of(*scenes[s], *file, read_json_file(bake_record_file(*scenes[s], settings)), executor, check))
-      rows.push_back(std::move(row));
+    record.add(scenes[s]->name,
+               rows_of(*scenes[s], *file, read_json_file(bake_record_file(*scenes[s], settings)), executor, check));
   }
-  return rows;
 }
 
 std::vector<TitledTable> feature_set_tables(const json& record) {

@@ -18,7 +18,7 @@ ExperimentPlan feature_set_plan(const PlanContext& context);
 /// feature_set_motions() of these scenes, with the columns that figures need (scene, motion_model, pipeline, "variant":
 /// the features that collide), and with the numbers of their simulation for each step: "splits" and "breaks",
 /// "simulation_seconds".
-std::vector<nlohmann::json> feature_set_rows(const PlanContext& context);
+void feature_set_rows(const PlanContext& context, RecordFile& record);
 
 /// One table, with one row for each scene.
 std::vector<TitledTable> feature_set_tables(const nlohmann::json& record);

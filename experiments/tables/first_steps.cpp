@@ -101,19 +101,20 @@ ExperimentPlan first_steps_plan(const PlanContext& context) {
   return plan;
 }
 
-std::vector<json> first_steps_rows(const PlanContext& context) {
+void first_steps_rows(const PlanContext& context, RecordFile& record) {
   const std::vector<TableScene> scenes = table_and_large_scenes(context);
   if (scenes.empty()) throw ConfigError("first-steps: none of its scenes is available");
   Executor& executor = context.executor ? *context.executor : serial_executor();
-  std::vector<json> rows;
   for (int round = 0; round < kFirstStepRounds; ++round)
     for (std::size_t s = 0; s < scenes.size(); ++s) {
+      const std::string part = fmt::format("{}, round {}", scenes[s].name, round);
+      if (record.has(part)) continue;
       if (context.progress)
         context.progress(static_cast<std::size_t>(round) * scenes.size() + s, kFirstStepRounds * scenes.size());
-      rows.push_back(measure(context, scenes[s], executor));
-      rows.back().update({{"scene", scenes[s].name}, {"round", round}, {"threads", executor.workers()}});
+      json row = measure(context, scenes[s], executor);
+      row.update({{"scene", scenes[s].name}, {"round", round}, {"threads", executor.workers()}});
+      record.add(part, {std::move(row)});
     }
-  return rows;
 }
 
 std::vector<TitledTable> first_steps_tables(const json& record) {

@@ -10,7 +10,7 @@ ExperimentPlan first_steps_plan(const PlanContext& context);
 
 /// One row for each scene and round; docs/record.schema.json lists the columns. Throws ConfigError if no scene is
 /// available.
-std::vector<nlohmann::json> first_steps_rows(const PlanContext& context);
+void first_steps_rows(const PlanContext& context, RecordFile& record);
 
 std::vector<TitledTable> first_steps_tables(const nlohmann::json& record);
 

@@ -135,21 +135,22 @@ ExperimentPlan inversion_plan(const PlanContext& context) {
   return plan;
 }
 
-std::vector<json> inversion_rows(const PlanContext& context) {
+void inversion_rows(const PlanContext& context, RecordFile& record) {
   SerialExecutor serial;
   Executor& executor = context.executor ? *context.executor : serial;
   const std::vector<TableScene> scenes = table_scenes(context);
   if (scenes.empty()) throw ConfigError("inversion: none of its scenes is available");
-  std::vector<json> rows;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
+    if (record.has(scenes[s].name)) continue;
+    std::vector<json> rows;
     const std::function<void()> check = [&] {
       if (context.progress) context.progress(s, scenes.size());
     };
     add_rows(context, scenes[s], MotionModel::linear, executor, check, rows);
     if (SequenceReader(scenes[s].file).has_velocity())
       add_rows(context, scenes[s], MotionModel::tentative, executor, check, rows);
+    record.add(scenes[s].name, rows);
   }
-  return rows;
 }
 
 std::vector<TitledTable> inversion_tables(const json& record) {

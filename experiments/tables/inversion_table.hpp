@@ -10,7 +10,7 @@ ExperimentPlan inversion_plan(const PlanContext& context);
 
 /// One row for each step of the scenes of the tables, linear, and tentative where the file has velocities; contacts
 /// are those of VolCCD+. Columns: scene, motion_model, motion, elements, and as count_inversions() returns them.
-std::vector<nlohmann::json> inversion_rows(const PlanContext& context);
+void inversion_rows(const PlanContext& context, RecordFile& record);
 std::vector<TitledTable> inversion_tables(const nlohmann::json& record);
 
 /// Compares the contacts of a step within its objects with the elements that invert (harness/corner_volumes.hpp):

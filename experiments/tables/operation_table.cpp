@@ -124,7 +124,8 @@ ExperimentPlan operation_plan(const PlanContext& context) {
   return plan;
 }
 
-std::vector<json> operation_rows(const PlanContext& context) {
+void operation_rows(const PlanContext& context, RecordFile& record) {
+  if (record.has("rows")) return;
   const std::optional<std::string> file = context.file_of(scene_name(context));
   if (!file) throw ConfigError("operations: the scene " + scene_name(context) + " is not there");
   QuerySourceConfig source;
@@ -143,7 +144,7 @@ std::vector<json> operation_rows(const PlanContext& context) {
     row["motion"] = source.step;
     rows.push_back(std::move(row));
   }
-  return rows;
+  record.add("rows", rows);
 }
 
 std::vector<TitledTable> operation_tables(const json& record) {

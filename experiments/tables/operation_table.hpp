@@ -10,7 +10,7 @@ ExperimentPlan operation_plan(const PlanContext& context);
 
 /// operation_counts() on candidates of a step in the middle of octopi, and bound_operation_counts() on its elements;
 /// every run draws the same ones.
-std::vector<nlohmann::json> operation_rows(const PlanContext& context);
+void operation_rows(const PlanContext& context, RecordFile& record);
 std::vector<TitledTable> operation_tables(const nlohmann::json& record);
 
 }  // namespace volccd

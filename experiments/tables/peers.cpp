@@ -280,15 +280,16 @@ ExperimentPlan peers_plan(const PlanContext& context) {
   return plan;
 }
 
-std::vector<json> peers_rows(const PlanContext& context) {
+void peers_rows(const PlanContext& context, RecordFile& record) {
   SerialExecutor serial;
   Executor& executor = context.executor ? *context.executor : serial;
   const std::vector<Contender> all = contenders(context.registry);
   const std::vector<NamedScene> scenes = named_scenes(context);
   if (scenes.empty()) throw ConfigError("peers: none of its scenes is available");
   const int rounds = peers_plan(context).rounds;
-  std::vector<json> rows;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
+    if (record.has(scenes[s].name)) continue;
+    std::vector<json> rows;
     std::unique_ptr<SceneMotions> scene;
     if (scenes[s].turned)
       scene = std::make_unique<TurnedMesh>(scenes[s].file);
@@ -302,8 +303,8 @@ std::vector<json> peers_rows(const PlanContext& context) {
         for (json& row : run_round(*scene, scenes[s].name, step, round, racers, executor))
           rows.push_back(std::move(row));
       }
+    record.add(scenes[s].name, rows);
   }
-  return rows;
 }
 
 std::vector<TitledTable> peers_tables(const json& record) {

@@ -10,7 +10,7 @@ ExperimentPlan peers_plan(const PlanContext& context);
 
 /// Times and counts of broad phases on single steps, interleaved: docs/reproducing.md. Throws ConfigError if no scene
 /// is available, and Error if two broad phases with the same boxes emit different numbers of pairs.
-std::vector<nlohmann::json> peers_rows(const PlanContext& context);
+void peers_rows(const PlanContext& context, RecordFile& record);
 std::vector<TitledTable> peers_tables(const nlohmann::json& record);
 nlohmann::json peers_summary(const nlohmann::json& record);
 

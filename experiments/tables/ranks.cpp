@@ -132,7 +132,8 @@ class RankComparison {
                           distributed::Config{.executor = &executor_, .skin = motion.skin});
   }
 
-  void run(const std::function<void()>& before_each, std::vector<json>& rows) {
+  std::vector<json> run(const std::function<void()>& before_each) {
+    std::vector<json> rows;
     for (int round = -kRankWarmUps; round < kRankRounds; ++round) {
       before_each();
       const StepResult& expected = whole_->run(mesh_.topology(), moved_, request());
@@ -147,6 +148,7 @@ class RankComparison {
         if (round >= 0) rows.push_back(row(ranks_[i], one_.ranks[i], expected, round));
       }
     }
+    return rows;
   }
 
  private:
@@ -214,21 +216,27 @@ ExperimentPlan ranks_plan(const PlanContext& context) {
   return plan;
 }
 
-std::vector<json> ranks_rows(const PlanContext& context) {
+void ranks_rows(const PlanContext& context, RecordFile& record) {
   const std::vector<RankCase> cases = rank_cases(context);
   if (cases.empty()) throw ConfigError("ranks: none of its scenes is available");
+  const auto steps_of = [](const RankCase& one) { return (kRankWarmUps + kRankRounds) * (1 + one.ranks.size()); };
   std::size_t total = 0, done = 0;
-  for (const RankCase& one : cases)
-    total += std::size(kRankMotions) * (kRankWarmUps + kRankRounds) * (1 + one.ranks.size());
+  for (const RankCase& one : cases) total += std::size(kRankMotions) * steps_of(one);
   const auto before_each = [&] {
     if (context.progress) context.progress(done++, total);
   };
-  std::vector<json> rows;
   for (const RankCase& one : cases) {
-    const RankMesh mesh = load(one, context.executor ? *context.executor : serial_executor());
-    for (const RankMotion& motion : kRankMotions) RankComparison(context, one, mesh, motion).run(before_each, rows);
+    std::optional<RankMesh> mesh;
+    for (const RankMotion& motion : kRankMotions) {
+      const std::string part = fmt::format("{} divided {} times, {}", one.scene.name, one.divisions, motion.name);
+      if (record.has(part)) {
+        done += steps_of(one);
+        continue;
+      }
+      if (!mesh) mesh = load(one, context.executor ? *context.executor : serial_executor());
+      record.add(part, RankComparison(context, one, *mesh, motion).run(before_each));
+    }
   }
-  return rows;
 }
 
 std::vector<TitledTable> ranks_tables(const json& record) {

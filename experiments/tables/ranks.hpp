@@ -11,7 +11,7 @@ ExperimentPlan ranks_plan(const PlanContext& context);
 /// One row for each scene, division, motion, number of ranks and round: ranks of one process, one after another
 /// (distributed::InProcessDetector), beside one detector for the whole mesh; docs/record.schema.json lists the columns.
 /// Throws ConfigError if no scene is available, or if contacts of ranks are not those of the whole mesh.
-std::vector<nlohmann::json> ranks_rows(const PlanContext& context);
+void ranks_rows(const PlanContext& context, RecordFile& record);
 
 std::vector<TitledTable> ranks_tables(const nlohmann::json& record);
 

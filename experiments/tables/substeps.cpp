@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -225,12 +226,13 @@ TextTable table_of(const std::vector<Group>& groups, std::vector<std::string> he
 }
 
 TitledTable time_table(const std::vector<Group>& groups) {
-  const TextTable table = table_of(
-      groups, {"fresh, ms", "fresh range, ms", "lists, ms", "lists range, ms", "fresh / lists", "range"}, [](const Group& group) {
-        const Spread fresh = group.ms("fresh_s"), lists = group.ms("list_s"), speedup = group.speedup();
-        return std::vector{number(fresh.median),       fresh.range(),     number(lists.median), lists.range(),
-                           ratio_text(speedup.median), speedup.range("x")};
-      });
+  const TextTable table =
+      table_of(groups, {"fresh, ms", "fresh range, ms", "lists, ms", "lists range, ms", "fresh / lists", "range"},
+               [](const Group& group) {
+                 const Spread fresh = group.ms("fresh_s"), lists = group.ms("list_s"), speedup = group.speedup();
+                 return std::vector{number(fresh.median),       fresh.range(),     number(lists.median), lists.range(),
+                                    ratio_text(speedup.median), speedup.range("x")};
+               });
   return {"Time of a substep of VolCCD+", table,
           fmt::format("fresh: without candidate lists; lists: with automatic ones, their cost included; means over the "
                       "substeps of some motions; medians and ranges over rounds; separation: {:g} of the mean "
@@ -283,10 +285,9 @@ ExperimentPlan substeps_plan(const PlanContext& context) {
   return plan;
 }
 
-std::vector<json> substeps_rows(const PlanContext& context) {
+void substeps_rows(const PlanContext& context, RecordFile& record) {
   const std::vector<TableScene> scenes = table_and_large_scenes(context);
   if (scenes.empty()) throw ConfigError("substeps: none of its scenes is available");
-  std::vector<json> rows;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     const auto check = [&] {
       if (context.progress) context.progress(s, scenes.size());
@@ -294,11 +295,13 @@ std::vector<json> substeps_rows(const PlanContext& context) {
     for (const int substeps : numbers_of_substeps(context.full)) {
       SubstepComparison comparison(context, scenes[s], substeps, check);
       for (const StepWindow& window : windows_of(scenes[s], context.full))
-        for (int round = 0; round < kRounds; ++round)
-          for (json& row : comparison.run_round(window, round)) rows.push_back(std::move(row));
+        for (int round = 0; round < kRounds; ++round) {
+          const std::string part =
+              fmt::format("{} in {}, from step {}, round {}", scenes[s].name, substeps, window.first, round);
+          if (!record.has(part)) record.add(part, comparison.run_round(window, round));
+        }
     }
   }
-  return rows;
 }
 
 std::vector<TitledTable> substeps_tables(const json& record) {

@@ -10,7 +10,7 @@ ExperimentPlan substeps_plan(const PlanContext& context);
 
 /// One row for each scene, number of substeps, motion and round; docs/record.schema.json lists the columns. Throws
 /// ConfigError if no scene is available, and Error if steps with lists find other contacts than fresh steps.
-std::vector<nlohmann::json> substeps_rows(const PlanContext& context);
+void substeps_rows(const PlanContext& context, RecordFile& record);
 
 /// Tables of times, and of what the lists were used for.
 std::vector<TitledTable> substeps_tables(const nlohmann::json& record);

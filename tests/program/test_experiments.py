@@ -187,7 +187,7 @@ class Experiments(ProgramTest):
         first = json.loads(windows[0])["rows"]
         self.assertEqual(len(first), 4 * len({row["motion"] for row in first}))
         text = self.good("experiment", "run", "projectile", "-o", results, env=env)
-        self.assertRegex(text, r"continued; [1-9]\d* window")
+        self.assertRegex(text, r"continued; [1-9]\d* part")
         whole = self.read("projectile/records/projectile.json")
         rows = json.loads(whole)["rows"]
         self.assertEqual(len(rows), 4 * 60)

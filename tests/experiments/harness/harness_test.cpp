@@ -20,6 +20,7 @@
 #include <volccd/pipelines/pipeline.hpp>
 
 #include "experiments/harness/harness_fixture.hpp"
+#include "experiments/made_rows.hpp"
 #include "io/sequence/sequences.hpp"
 
 namespace volccd::test {
@@ -275,7 +276,7 @@ TEST_F(Harness, ASweepRunsEachValueOfASetting) {
 
 TEST_F(Harness, OperationsAreCountedOnAScene) {
   const PlanContext context{registry_, false, {}, {}, [&](const std::string&) { return std::optional(file_); }};
-  const std::vector<json> rows = operation_rows(context);
+  const std::vector<json> rows = made_rows(operation_rows, context);
   EXPECT_GE(rows.size(), 8u);
   EXPECT_NE(render(operation_tables({{"rows", rows}}), TableFormat::text).find("217"), std::string::npos)
       << "the paper's";
@@ -292,7 +293,7 @@ TEST_F(Harness, InversionsAreCountedOnAllMotionsOfTheScenes) {
                               return name == "bullet-quick" ? std::optional(file_) : std::nullopt;
                             }};
   ASSERT_EQ(inversion_plan(context).runs.size(), 1u);
-  const std::vector<json> rows = inversion_rows(context);
+  const std::vector<json> rows = made_rows(inversion_rows, context);
   const SequenceReader reader(file_);
   ASSERT_EQ(rows.size(), static_cast<std::size_t>(reader.frame_count() - 1) * (reader.has_velocity() ? 2 : 1));
   std::uint64_t examined = 0;

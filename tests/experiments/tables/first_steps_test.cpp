@@ -6,6 +6,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 
+#include "experiments/made_rows.hpp"
 #include "support/scratch_folder.hpp"
 
 namespace volccd::test {
@@ -28,7 +29,7 @@ class FirstStepsExperiment : public testing::Test {
 
 TEST_F(FirstStepsExperiment, RowsHaveTheParts) {
   write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "4"}}), file_);
-  const std::vector<json> rows = first_steps_rows(context("cloth-ball"));
+  const std::vector<json> rows = made_rows(first_steps_rows, context("cloth-ball"));
   ASSERT_EQ(rows.size(), 5u);
   for (std::size_t round = 0; round < rows.size(); ++round) {
     const json& row = rows[round];
@@ -48,15 +49,25 @@ TEST_F(FirstStepsExperiment, RowsHaveTheParts) {
 
 TEST_F(FirstStepsExperiment, TheOnlyMotionOfASequenceIsRepeated) {
   write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "2"}}), file_);
-  for (const json& row : first_steps_rows(context("cloth-ball"))) EXPECT_GT(row.at("later_s").get<double>(), 0);
+  for (const json& row : made_rows(first_steps_rows, context("cloth-ball")))
+    EXPECT_GT(row.at("later_s").get<double>(), 0);
 }
 
 TEST_F(FirstStepsExperiment, TablesAndSummary) {
   json rows = json::array();
   for (int round = 0; round < 3; ++round)
-    rows.push_back({{"scene", "a"}, {"round", round}, {"motion", 7}, {"threads", 2}, {"elements", 1000},
-                    {"topology_s", 0.001 * round}, {"tree_s", 0.002}, {"tables_s", 0.003}, {"rest_s", 0.004},
-                    {"first_s", 0.01 + 0.001 * round}, {"later_s", 0.0022}, {"workspace_bytes", 450000}});
+    rows.push_back({{"scene", "a"},
+                    {"round", round},
+                    {"motion", 7},
+                    {"threads", 2},
+                    {"elements", 1000},
+                    {"topology_s", 0.001 * round},
+                    {"tree_s", 0.002},
+                    {"tables_s", 0.003},
+                    {"rest_s", 0.004},
+                    {"first_s", 0.01 + 0.001 * round},
+                    {"later_s", 0.0022},
+                    {"workspace_bytes", 450000}});
   const json record = {{"rows", rows}};
   const json summary = first_steps_summary(record);
   ASSERT_EQ(summary.size(), 1u);
@@ -71,7 +82,7 @@ TEST_F(FirstStepsExperiment, TablesAndSummary) {
 }
 
 TEST_F(FirstStepsExperiment, NoSceneIsAnError) {
-  EXPECT_THROW(first_steps_rows(context("none")), ConfigError);
+  EXPECT_THROW(made_rows(first_steps_rows, context("none")), ConfigError);
   EXPECT_TRUE(first_steps_plan(context("none")).runs.empty());
 }
 

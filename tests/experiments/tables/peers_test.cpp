@@ -9,6 +9,7 @@
 #include <volccd/experiments/harness/run.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 
+#include "experiments/made_rows.hpp"
 #include "support/scratch_folder.hpp"
 
 namespace volccd::test {
@@ -70,7 +71,7 @@ class PeersExperiment : public testing::Test {
 
 TEST_F(PeersExperiment, RowsAndSummary) {
   add_peer(false);
-  const json record = {{"rows", peers_rows(context("octopi-quick"))}};
+  const json record = {{"rows", made_rows(peers_rows, context("octopi-quick"))}};
   // Four broad phases of the library and one peer, on two motions, three rounds.
   ASSERT_EQ(record.at("rows").size(), 5u * 2 * 3);
   for (const json& row : record.at("rows")) {
@@ -97,7 +98,7 @@ TEST_F(PeersExperiment, RowsAndSummary) {
 
 TEST_F(PeersExperiment, AFileOfOneMotionHasAMotionBeforeIt) {
   write_scene(*make_scene("builtin", {{"elements", "200"}, {"steps", "2"}}), file_);
-  const std::vector<json> rows = peers_rows(context("cloth-ball"));
+  const std::vector<json> rows = made_rows(peers_rows, context("cloth-ball"));
   ASSERT_EQ(rows.size(), 4u * 3);
   for (const json& row : rows) EXPECT_EQ(row.at("motion"), 0);
   const json summary = peers_summary({{"rows", rows}});
@@ -107,7 +108,7 @@ TEST_F(PeersExperiment, AFileOfOneMotionHasAMotionBeforeIt) {
 TEST_F(PeersExperiment, DifferentCountsAreAnError) {
   add_peer(true);
   try {
-    peers_rows(context("octopi-quick"));
+    made_rows(peers_rows, context("octopi-quick"));
     FAIL() << "a broad phase that loses pairs went unnoticed";
   } catch (const Error& error) {
     const std::string text = error.what();
@@ -126,7 +127,7 @@ TEST_F(PeersExperiment, ThePlanNamesTheInputs) {
 }
 
 TEST_F(PeersExperiment, NoSceneIsAnError) {
-  EXPECT_THROW(peers_rows(context("none")), ConfigError);
+  EXPECT_THROW(made_rows(peers_rows, context("none")), ConfigError);
   EXPECT_TRUE(peers_plan(context("none")).runs.empty());
 }
 

@@ -8,6 +8,7 @@
 #include <volccd/experiments/tables/ranks.hpp>
 
 #include "experiments/described_keys.hpp"
+#include "experiments/made_rows.hpp"
 #include "support/all_stages.hpp"
 #include "support/scratch_folder.hpp"
 
@@ -37,7 +38,7 @@ TEST_F(RanksExperiment, RowsOfEachMotionAndNumberOfRanks) {
     EXPECT_LT(done, total);
     ++told;
   };
-  const std::vector<json> rows = ranks_rows(with_progress);
+  const std::vector<json> rows = made_rows(ranks_rows, with_progress);
   expect_described(rows.at(0), "ranks_row");
   EXPECT_EQ(rows.size(), 3u * 3u * 3u) << "motions, numbers of ranks, rounds";
   EXPECT_EQ(told, 3u * (2u + 3u) * 4u) << "rounds that are not measured, and the whole mesh, too";
@@ -55,7 +56,7 @@ TEST_F(RanksExperiment, RowsOfEachMotionAndNumberOfRanks) {
     }
   }
   EXPECT_EQ(kinds.size(), 9u);
-  EXPECT_THROW(ranks_rows(context("nothing")), ConfigError);
+  EXPECT_THROW(made_rows(ranks_rows, context("nothing")), ConfigError);
 }
 
 TEST_F(RanksExperiment, TablesAndSummary) {

@@ -13,6 +13,7 @@
 #include <volccd/experiments/scenes/scene.hpp>
 
 #include "experiments/described_keys.hpp"
+#include "experiments/made_rows.hpp"
 #include "support/scratch_folder.hpp"
 
 namespace volccd::test {
@@ -93,7 +94,7 @@ TEST_F(SubstepsExperiment, RowsTablesAndSummary) {
     EXPECT_EQ(std::pair(done, total), std::pair(std::size_t{0}, std::size_t{1}));
     ++calls;
   };
-  const json record = {{"rows", substeps_rows(with_progress)}};
+  const json record = {{"rows", made_rows(substeps_rows, with_progress)}};
   // 1, 10 and 100 substeps of two motions in three rounds; the motion before them is run, too, and all of it twice.
   ASSERT_EQ(record.at("rows").size(), 3u * 2 * 3);
   EXPECT_EQ(calls, (1u + 10 + 100) * 3 * 3 * 2);
@@ -176,7 +177,7 @@ TEST_F(SubstepsExperiment, TheSummaryHasMediansAndExtremesOfTheRounds) {
 TEST_F(SubstepsExperiment, OtherContactsAreAnError) {
   const Registry registry = registry_that_loses_contacts();
   try {
-    substeps_rows(context(registry, "octopi-quick"));
+    made_rows(substeps_rows, context(registry, "octopi-quick"));
     FAIL() << "a list that loses contacts went unnoticed";
   } catch (const Error& error) {
     const std::string text = error.what();
@@ -187,9 +188,27 @@ TEST_F(SubstepsExperiment, OtherContactsAreAnError) {
 
 TEST_F(SubstepsExperiment, AFileOfOneMotionIsItsOwnWarmUp) {
   write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "2"}}), file_);
-  const std::vector<json> rows = substeps_rows(context(registry_, "cloth-ball"));
+  const std::vector<json> rows = made_rows(substeps_rows, context(registry_, "cloth-ball"));
   ASSERT_EQ(rows.size(), 3u * 3);
   for (const json& row : rows) EXPECT_EQ(row.at("motion"), 0);
+}
+
+/// What was measured before an interruption is not measured again.
+TEST_F(SubstepsExperiment, GoesOnAfterAnInterruption) {
+  write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "2"}}), file_);
+  RecordFile record(folder_ / ".", "substeps", json::object());
+  PlanContext stopping = context(registry_, "cloth-ball");
+  int calls = 0;
+  stopping.progress = [&](std::size_t, std::size_t) {
+    if (++calls == 30) throw Error("stopped");
+  };
+  EXPECT_THROW(substeps_rows(stopping, record), Error);
+  const std::vector<json> before = record.rows();
+  ASSERT_GT(before.size(), 2u);
+  ASSERT_LT(before.size(), 9u);
+  substeps_rows(context(registry_, "cloth-ball"), record);
+  ASSERT_EQ(record.rows().size(), 9u);
+  EXPECT_TRUE(std::equal(before.begin(), before.end(), record.rows().begin()));
 }
 
 TEST_F(SubstepsExperiment, ThePlanNamesTheInputs) {
@@ -200,7 +219,7 @@ TEST_F(SubstepsExperiment, ThePlanNamesTheInputs) {
 }
 
 TEST_F(SubstepsExperiment, NoSceneIsAnError) {
-  EXPECT_THROW(substeps_rows(context(registry_, "none")), ConfigError);
+  EXPECT_THROW(made_rows(substeps_rows, context(registry_, "none")), ConfigError);
   EXPECT_TRUE(substeps_plan(context(registry_, "none")).runs.empty());
 }
 
