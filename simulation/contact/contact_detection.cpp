@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kContactGrain = 64;
 
-/// Drops tests of features that have copies of the same shell vertex.
+/// Drops tests of features that have copies of the same shell vertex: the simulation does not ask about them.
 class ShellNeighbours final : public FeatureFilter {
  public:
   void run(const Step&, StageState&, unsigned, const TestBlock& block, std::span<std::uint8_t> keep) const override {
