@@ -116,7 +116,7 @@ bool StepRunner::make_list(const Step& step, const Request& request, double& lis
   if (!made) return false;
   distance_ = 0;
   refreshed_ = 0;
-  sample_.begin(step);
+  if (lists_.use == ListConfig::Use::automatic) sample_.begin(step);
   run_tests(step, request, 0);
   ++result_.statistics.list_steps;
   return true;
