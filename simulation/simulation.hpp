@@ -33,7 +33,7 @@ struct SimulationOptions {
 
   /// How the queries of each substep use candidate lists. The simulation does not depend on it.
   ListConfig lists = {.use = ListConfig::Use::automatic};
-  int contact_passes = 4;  ///< of detection and response in a substep; then touching features are held as they were
+  int contact_passes = 4;       ///< of detection and response in a substep; then touching features are held apart
   int contact_iterations = 12;  ///< sweeps over the contacts in a pass
   /// Gap at which contacts are resisted (metres). Negative: 1 % of the shortest edge, and at most a tenth of a shell's
   /// thickness.
@@ -52,9 +52,9 @@ struct SimulationCounts {
   /// Contacts that got a response, by class (ContactClass): between objects, within one object, between adjacent
   /// elements or within one element.
   std::uint64_t inter = 0, intra = 0, adjacent = 0;
-  std::uint64_t leaving = 0;  ///< contacts of overlapping features that move apart: not resisted
-  std::uint64_t ignored = 0;  ///< contacts that are not resisted (ContactVerdict::ignore)
-  std::uint64_t held = 0;     ///< vertices held as they were because the passes did not suffice, summed over substeps
+  std::uint64_t leaving = 0;     ///< contacts of overlapping features that move apart: not resisted
+  std::uint64_t ignored = 0;     ///< contacts that are not resisted (ContactVerdict::ignore)
+  std::uint64_t held = 0;        ///< vertices held apart because the passes did not suffice, summed over substeps
   std::uint64_t unresolved = 0;  ///< pairs of features that still touch or cross at the end of a substep
   std::uint64_t splits = 0, breaks = 0, merges = 0, cuts = 0, edits = 0;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -131,7 +132,7 @@ void ContactResponse::substep(std::span<const Vec3> x0, std::span<const Index> o
     solve(x0, object_of, dt, moving, work);
     find_touching(x0, moving);
   }
-  if (!found_.empty()) hold_apart(x0, moving);
+  if (!found_.empty()) hold_apart(x0, moving, work);
   count_pressed();
 }
 
@@ -160,16 +161,16 @@ Index ContactResponse::group_of(Index node) {
   return node;
 }
 
-/// Features that would still touch are moved as groups without rotation, so that no features in a group touch. A group
-/// with a guided body moves as that body (of several, or with fixed vertices, features may touch). Only positions
-/// change; the velocities remain those after the impulses.
-void ContactResponse::hold_apart(std::span<const Vec3> x0, const MovingVertices& moving) {
+/// Features that would still touch are moved as groups without rotation, so that no features in a group touch, and get
+/// the group's velocity: if they kept their own, forces would accelerate them while they do not move. A group with a
+/// guided body moves as that body (of several, or with fixed vertices, features may touch).
+void ContactResponse::hold_apart(std::span<const Vec3> x0, const MovingVertices& moving, ContactWork& work) {
   group_.resize(moving.x1.size() + moving.bodies.bodies().size());
   for (Index i = 0; i < group_.size(); ++i) group_[i] = i;
   members_.clear();
   for (int round = 0; round < kHoldRounds; ++round) {
     gather_groups(moving);
-    hold_groups(x0, moving);
+    hold_groups(x0, moving, work);
     find_touching(x0, moving);
     if (found_.empty()) break;
   }
@@ -193,45 +194,65 @@ void ContactResponse::gather_groups(const MovingVertices& moving) {
   sort_unique(members_);
 }
 
-void ContactResponse::hold_groups(std::span<const Vec3> x0, const MovingVertices& moving) {
-  const auto vertices = static_cast<Index>(moving.x1.size());
-  std::vector<RigidBody>& bodies = moving.bodies.bodies();
-  struct Sum {
-    double mass = 0;
-    bool held = false;
-    Vec3 moment = Vec3::Zero(), guided = Vec3::Zero();
-  };
+void ContactResponse::hold_groups(std::span<const Vec3> x0, const MovingVertices& moving, ContactWork& work) {
   std::vector<std::pair<Index, Index>> order;  // (group, member)
   for (Index m : members_) order.emplace_back(group_of(m), m);
   std::sort(order.begin(), order.end());
-  for (std::size_t i = 0, end; i < order.size(); i = end) {
-    Sum sum;
-    for (end = i; end < order.size() && order[end].first == order[i].first; ++end) {
-      const Index m = order[end].second;
-      const bool is_body = m >= vertices;
-      const double inverse = is_body ? 0 : moving.inverse_mass[m];
-      const double mass = is_body ? bodies[m - vertices].mass : inverse > 0 ? 1 / inverse : 0;
-      sum.held |= is_body ? bodies[m - vertices].held : inverse == 0;
-      if (is_body && bodies[m - vertices].guide)
-        sum.guided = bodies[m - vertices].center - bodies[m - vertices].marked_center;
-      sum.mass += mass;
-      sum.moment += mass * (is_body ? Vec3(bodies[m - vertices].center - bodies[m - vertices].marked_center)
-                                    : Vec3(moving.x1[m] - x0[m]));
-    }
-    const Vec3 by = sum.held || !(sum.mass > 0) ? sum.guided : Vec3(sum.moment / sum.mass);
-    for (std::size_t k = i; k < end; ++k) {
-      const Index m = order[k].second;
-      if (m < vertices) {
-        if (moving.inverse_mass[m] > 0) moving.x1[m] = x0[m] + by;
-        continue;
-      }
-      RigidBody& body = bodies[m - vertices];
-      if (body.held) continue;
-      body.center = body.marked_center + by;
-      body.orientation = body.marked_orientation;
-    }
+  std::vector<Index> group;
+  for (std::size_t i = 0; i < order.size();) {
+    group.clear();
+    for (const Index name = order[i].first; i < order.size() && order[i].first == name; ++i)
+      group.push_back(order[i].second);
+    hold(group, x0, moving, work);
   }
   moving.bodies.write_vertices(moving.x1, moving.v);
+}
+
+/// A group that nothing holds keeps its momentum. (Its angular momentum changes, as it does not turn.)
+void ContactResponse::hold(std::span<const Index> group, std::span<const Vec3> x0, const MovingVertices& moving,
+                           ContactWork& work) {
+  const auto vertices = static_cast<Index>(moving.x1.size());
+  const auto body = [&](Index m) { return m < vertices ? nullptr : &moving.bodies.bodies()[m - vertices]; };
+  const auto mass = [&](Index m) {
+    if (const RigidBody* b = body(m)) return b->held ? 0 : b->mass;
+    return moving.inverse_mass[m] > 0 ? 1 / moving.inverse_mass[m] : 0;
+  };
+  bool held = false;
+  double sum = 0;
+  Vec3 shift = Vec3::Zero(), velocity = Vec3::Zero(), guided_shift = Vec3::Zero(), guided_velocity = Vec3::Zero();
+  for (const Index m : group) {
+    const RigidBody* b = body(m);
+    const Vec3 by = b ? Vec3(b->center - b->marked_center) : Vec3(moving.x1[m] - x0[m]);
+    held |= !(mass(m) > 0);
+    sum += mass(m);
+    shift += mass(m) * by;
+    velocity += mass(m) * (b ? b->velocity : moving.v[m]);
+    if (b && b->guide) guided_shift = by, guided_velocity = b->velocity;
+  }
+  shift = held ? guided_shift : Vec3(shift / sum);
+  velocity = held ? guided_velocity : Vec3(velocity / sum);
+  for (const Index m : group) {
+    if (!(mass(m) > 0)) continue;
+    RigidBody* b = body(m);
+    const Vec3 before = std::exchange(b ? b->velocity : moving.v[m], velocity);
+    const Vec3 impulse = mass(m) * (velocity - before);
+    work.total -= impulse.dot(before + velocity) / 2;
+    if (held) {
+      work.total += impulse.dot(velocity);
+      work.external += impulse.dot(velocity);
+      work.impulse += impulse;
+      work.angular_impulse += (b ? b->center : moving.x1[m]).cross(impulse);
+    }
+    if (!b) {
+      moving.x1[m] = x0[m] + shift;
+      continue;
+    }
+    work.total += b->spin.dot(b->angular_velocity) / 2;
+    if (held) work.angular_impulse -= b->spin;
+    b->spin = b->angular_velocity = Vec3::Zero();
+    b->center = b->marked_center + shift;
+    b->orientation = b->marked_orientation;
+  }
 }
 
 }  // namespace volccd::simulation

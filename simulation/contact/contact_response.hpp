@@ -49,9 +49,10 @@ class ContactResponse {
   bool add_found(double dt, bool first, const MovingVertices& moving);
   ContactConstraint constraint(const FoundContact& found, double dt, const MovingVertices& moving) const;
   double goal(const FoundContact& found) const;
-  void hold_apart(std::span<const Vec3> x0, const MovingVertices& moving);
+  void hold_apart(std::span<const Vec3> x0, const MovingVertices& moving, ContactWork& work);
   void gather_groups(const MovingVertices& moving);
-  void hold_groups(std::span<const Vec3> x0, const MovingVertices& moving);
+  void hold_groups(std::span<const Vec3> x0, const MovingVertices& moving, ContactWork& work);
+  void hold(std::span<const Index> group, std::span<const Vec3> x0, const MovingVertices& moving, ContactWork& work);
   Index group_of(Index node);
   void count_pressed();
 

@@ -168,6 +168,42 @@ TEST(ContactAtStart, FacesInTouchGetTheirNormalFromTheElements) {
   }
 }
 
+/// Two jaws with a common edge close on the tip of a needle near that edge. Both contacts move the same heavy vertices,
+/// in opposite directions, so that the passes do not separate them and vertices are held in many substeps.
+TEST(ContactHeld, WhatIsHeldGainsNoEnergy) {
+  Shape jaws, needle;
+  jaws.positions = {Vec3(0, 0, 0),          Vec3(0, 0.1, 0),         Vec3(0.1, 0.05, 0.002),
+                    Vec3(0.05, 0.05, 0.05), Vec3(0.1, 0.05, -0.002), Vec3(0.05, 0.05, -0.05)};
+  jaws.elements = {{.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}},
+                   {.type = ElementType::tetrahedron, .vertices = {0, 4, 1, 5}, .id = 1}};
+  needle.positions = {Vec3(0.003, 0.05, 0), Vec3(0.15, 0.049, 0), Vec3(0.15, 0.051, 0.0005), Vec3(0.15, 0.05, -0.0005)};
+  needle.elements = {{.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}}};
+  Shape all;
+  all.append(jaws, 0).append(needle, 1);
+  Model model;
+  model.mesh = all.mesh();
+  model.positions = all.positions;
+  model.velocities.assign(all.positions.size(), Vec3::Zero());
+  for (const Index v : {2, 3}) model.velocities[v] = Vec3(0, 0, -1);
+  for (const Index v : {4, 5}) model.velocities[v] = Vec3(0, 0, 1);
+  model.bodies = {{"jaws", soft()}, {"needle", soft()}};
+  for (const bool fixed : {false, true}) {
+    if (fixed) model.fixed = {0, 1};
+    SerialExecutor executor;
+    Simulation s(model, {}, executor);
+    const Ledger before = s.ledger();
+    s.advance_to(0.004);
+    const SimulationCounts counts = s.drain_counts();
+    const Ledger& after = s.ledger();
+    EXPECT_GT(counts.held, 50u);
+    EXPECT_EQ(counts.unresolved, 0u);
+    EXPECT_GT(after.contact, 0);
+    EXPECT_LT(after.kinetic + after.elastic + after.numerical, before.initial);
+    EXPECT_LT((after.momentum - after.impulse).norm(), 1e-12);
+    EXPECT_EQ(overlaps(s), 0u);
+  }
+}
+
 TEST(ContactFeatureSets, InteriorFeaturesCollideOnlyWhereAskedFor) {
   // A small block inside an element of a large one, away from its boundary, moves towards the next element.
   const Model model = blocks({{.nx = 4, .ny = 3, .nz = 3},

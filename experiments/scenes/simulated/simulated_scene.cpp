@@ -19,7 +19,7 @@ SimulatedScene bullet() {
           .quick_elements = kBulletQuickElements,
           .frames = kBulletFrames,
           .duration = kBulletDuration,
-          .version = 6};
+          .version = 7};
 }
 
 SimulatedScene bullet_with(const char* name, const char* description, simulation::ContactFeatures features) {
@@ -28,7 +28,7 @@ SimulatedScene bullet_with(const char* name, const char* description, simulation
   scene.description = description;
   scene.options.features = features;
   scene.variant_of = "bullet";
-  scene.version = 5;
+  scene.version = 6;
   return scene;
 }
 
@@ -53,7 +53,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .frames = kAirbagFrames,
        .begin = kAirbagBegin,
        .duration = kAirbagDuration,
-       .version = 5},
+       .version = 6},
       {.name = "crash",
        .description = "the front of a car of thin sheet hits a rigid wall; shells",
        .model = crash_model,
@@ -61,7 +61,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kCrashQuickElements,
        .frames = kCrashFrames,
        .duration = kCrashDuration,
-       .version = 5},
+       .version = 6},
       {.name = "liver",
        .description = "a liver that hangs from its sides is cut from below by a scalpel; tetrahedra",
        .model = liver_model,
