@@ -19,9 +19,9 @@ namespace volccd::distributed {
 
 namespace {
 
-/// The registry with the filter of a region, and the pipeline with it as last filter.
-Pipeline make_pipeline(Registry registry, PipelineSpec spec, const Region& region) {
-  registry.add(describe_region_filter(region));
+/// The pipeline with the filter of the region as the last one.
+Pipeline make_pipeline(Registry registry, PipelineSpec spec) {
+  registry.add(describe_region_filter());
   spec.feature_filters.push_back({"region"});
   Pipeline pipeline(registry, spec);
   if (pipeline.guarantee() == Guarantee::approximate)
@@ -78,8 +78,8 @@ RankContact to_rank_contact(const Contact& contact, const Mesh& mesh) {
   return result;
 }
 
-Box start_box(const Mesh& mesh, Index element, const Motion& motion) {
-  Box box;
+MotionBox start_box(const Mesh& mesh, Index element, const Motion& motion) {
+  MotionBox box;
   extend(box, motion, mesh.vertices(element), 1);
   return box;
 }
@@ -104,7 +104,7 @@ struct Detector::State {
   Exchange& exchange;
   Config config;
   Executor& executor;
-  Region region;  ///< the region filter refers to it
+  Region region;  ///< of this rank
   std::optional<StepRunner> runner;
 
   std::optional<detail::Home> home;  ///< empty before set_mesh()
@@ -113,8 +113,8 @@ struct Detector::State {
   bool cuts_made = false;  ///< in this step
   detail::Imbalance imbalance;
 
-  std::vector<Box> boxes;   ///< of the elements of this rank in this step
-  detail::Targets targets;  ///< the ranks that hold them
+  std::vector<MotionBox> boxes;  ///< of the elements of this rank in this step
+  detail::Targets targets;       ///< the ranks that hold them
   bool lists_made = false;
   std::uint64_t held = 0, copies = 0;  ///< elements in the list that this rank received
   PieceMesh piece;
@@ -134,7 +134,7 @@ Detector::Detector(Exchange& exchange, const Registry& registry, const PipelineS
   run_on_all(exchange, "options", [&] {
     check_config(config);
     s.runner.emplace(
-        make_pipeline(registry, spec, s.region),
+        make_pipeline(registry, spec),
         RunConfig{
             .executor = &s.executor, .separation = config.separation, .filter = config.filter, .lists = config.lists});
   });
@@ -242,9 +242,7 @@ void Detector::State::check_step(const Motion& own, const Request& request) {
 /// Whether the lists have all elements that ranks need now, and not many more.
 bool Detector::State::lists_hold(const Request& request) const {
   if (piece_config.vertex_group != (request.leave_out_shell_neighbours ? 3 : 1)) return false;
-  if (!targets.cover(boxes, regions)) return false;
-  const std::size_t needed = detail::count_pairs(boxes, config.skin, regions);
-  return targets.pairs() <= needed + needed / 4;
+  return targets.cover(boxes, regions) && !targets.too_many(boxes, config.skin, regions);
 }
 
 /// Divides space if that is due, gives elements to ranks, and makes the piece of this rank if the present one does not
@@ -286,7 +284,7 @@ void Detector::State::make_lists(const Request& request) {
 void Detector::State::run(const Request& request) {
   if (piece.empty()) return;
   if (complete.empty()) find_complete();
-  runner->run(piece.topology(), *motion, request, 1, complete);
+  runner->run(piece.topology(), *motion, request, 1, complete, region);
 }
 
 /// The piece has all elements at a vertex whose box meets the region, because their boxes contain it; and it has them
@@ -295,7 +293,7 @@ void Detector::State::find_complete() {
   complete.assign(motion->vertex_count(), 0);
   for (Index v = 0; v < motion->vertex_count(); ++v) {
     if (piece.owners()[v] == PieceMesh::kNoRank) continue;
-    Box box;
+    MotionBox box;
     extend(box, *motion, {&v, 1}, motion->control_points());
     complete[v] = region.meets(enlarged(box, runner->separation())) ? 1 : 0;
   }

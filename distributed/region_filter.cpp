@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kVertices = 4096;
 
 /// By vertex: the lower bounds of its control points, enlarged. These bounds are monotone, so that the reference point
-/// follows from them by minima and maxima (box.hpp).
+/// follows from them by minima and maxima (query/region.hpp).
 struct State final : StageState {
   std::size_t bytes() const override { return heap_bytes(low); }
 
@@ -40,11 +40,11 @@ void RegionFilter::prepare(const Step& step, StageState& state, Executor& execut
   });
 }
 
-void RegionFilter::run(const Step&, StageState& state, unsigned, const TestBlock& block,
+void RegionFilter::run(const Step& step, StageState& state, unsigned, const TestBlock& block,
                        std::span<std::uint8_t> keep) const {
   const auto& low = static_cast<const State&>(state).low;
   const bool vf = block.kind() == FeatureKind::vf;
-  const Region region = region_;
+  const Region region = step.region;
   for (std::size_t test = 0; test < block.size(); ++test) {
     const std::array<Index, 4> v = block.vertices(test);
     const auto &p = low[v[0]], &q = low[v[1]], &r = low[v[2]], &s = low[v[3]];
@@ -57,14 +57,12 @@ void RegionFilter::run(const Step&, StageState& state, unsigned, const TestBlock
   }
 }
 
-StageDescriptor<FeatureFilter> describe_region_filter(const Region& region) {
+StageDescriptor<FeatureFilter> describe_region_filter() {
   return {"region",
           "tests whose reference point is in the region of the rank",
           Guarantee::exact,
           {},
-          [&region](const OptionValues&) -> std::unique_ptr<FeatureFilter> {
-            return std::make_unique<RegionFilter>(region);
-          }};
+          [](const OptionValues&) -> std::unique_ptr<FeatureFilter> { return std::make_unique<RegionFilter>(); }};
 }
 
 }  // namespace volccd::distributed

@@ -60,7 +60,7 @@ int Regions::divide(std::span<const Vec3> points, std::span<const double> weight
   int axis = 0;
   const int ranks_below = ranks / 2;
   if (ranks > 1 && !order.empty()) {
-    Box box;
+    MotionBox box;
     for (const std::size_t i : order) {
       box.low = box.low.cwiseMin(points[i]);
       box.high = box.high.cwiseMax(points[i]);

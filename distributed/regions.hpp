@@ -1,31 +1,12 @@
 // The parts of space that belong to the ranks.
 #pragma once
 
-#include <limits>
 #include <span>
 #include <vector>
 
-#include <volccd/distributed/box.hpp>
+#include <volccd/query/region.hpp>
 
 namespace volccd::distributed {
-
-/// The points p with low <= p < high on each axis. Bounds are infinite where no cut bounds the region.
-struct Region {
-  Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity());
-  Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
-
-  bool contains(const Vec3& p) const {
-    bool inside = true;
-    for (int i = 0; i < 3; ++i) inside = inside && low[i] <= p[i] && p[i] < high[i];
-    return inside;
-  }
-  /// Whether it has a common point with the box, which is not empty.
-  bool meets(const Box& box) const {
-    bool common = true;
-    for (int i = 0; i < 3; ++i) common = common && box.low[i] < high[i] && low[i] <= box.high[i];
-    return common;
-  }
-};
 
 /// A k-d tree of cuts that divides space into regions, at most one for each rank. Each finite point is in exactly one
 /// region: a point on a cut is in the upper one. Ranks for which there is nothing to divide have the empty region.
@@ -49,7 +30,7 @@ class Regions {
   /// Calls visit(rank) once for each rank whose region has a common point with the box, ascending. O(log ranks) for
   /// each of them. Pre: the box is not empty.
   template <class Visit>
-  void meeting(const Box& box, Visit&& visit) const {
+  void meeting(const MotionBox& box, Visit&& visit) const {
     descend(root_, box, visit);
   }
 
@@ -65,7 +46,7 @@ class Regions {
              int first_rank, int ranks, const Region& region);
 
   template <class Visit>
-  void descend(int child, const Box& box, Visit& visit) const {
+  void descend(int child, const MotionBox& box, Visit& visit) const {
     if (child < 0) {
       visit(~child);
       return;

@@ -123,6 +123,7 @@ void Pipeline::check(const Step& step) const {
     throw ConfigError(fmt::format("narrow phase {} handles motion of degree {} at most, not {}; {}",
                                   spec_.narrow_phase.name, narrow_phase_->max_control_points() - 1,
                                   step.motion.degree(), curved_narrow_phases_));
+  if (step.region.low.hasNaN() || step.region.high.hasNaN()) throw ConfigError("region: a bound is not a number");
   if (!(step.separation >= 0 && std::isfinite(step.separation)))
     throw ConfigError("separation: must be finite and not negative");
   if (step.separation > 0 && !narrow_phase_->handles_separation())

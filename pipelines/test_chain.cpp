@@ -88,9 +88,7 @@ void TestChain::run_filter(FeatureKind kind, std::size_t stage) {
   std::array<std::uint8_t, TestBlock::kCapacity> flags;
   flags.fill(1);
   const auto keep = std::span(flags).first(block.padded_size());
-  const FeatureFilter& filter = *stages_->filters[stage];
-  if (!stages_->collect || !filter.leaves_tests_to_others())
-    filter.run(pruned_step(), *stages_->states[stage], worker_, block, keep);
+  stages_->filters[stage]->run(pruned_step(), *stages_->states[stage], worker_, block, keep);
   const auto dropped = std::count(keep.begin(), keep.begin() + static_cast<std::ptrdiff_t>(block.size()), 0);
   statistics_[stage].out += block.size() - static_cast<std::size_t>(dropped);
   observe(stage, block, keep);

@@ -7,6 +7,7 @@
 #include <volccd/mesh/topology.hpp>
 #include <volccd/query/motion.hpp>
 #include <volccd/query/object_filter.hpp>
+#include <volccd/query/region.hpp>
 
 namespace volccd {
 
@@ -35,6 +36,9 @@ struct Step {
   /// vertices takes that share of complete vertices, and of elements all of whose vertices are complete; results do not
   /// depend on it.
   std::span<const std::uint8_t> complete = {};
+  /// Contacts whose features have their reference point outside need not be found: a stage may drop these tests, or may
+  /// ignore this value. By default all of space, as always where candidates are collected, which serve other motions.
+  Region region = {};
   /// Which elements are adjacent; null: those with a common vertex. Not null for a broad phase over parts of elements,
   /// whose owner sets it (a pipeline sets null, whatever its caller has given). It has the slots of the topology, is
   /// the same in all steps on it, and changes only with edits that remove or add the elements concerned.

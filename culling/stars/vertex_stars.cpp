@@ -121,17 +121,17 @@ bool VertexStars::find_gap(const Motion& motion, Executor& executor) {
 /// one. Those that may fold in this step follow in examine_star().
 void VertexStars::invalidate_known(const Step& step, TopologyDelta::Extent changed, Executor& executor) {
   if (changed == TopologyDelta::Extent::everything) known_.clear(), last_.clear();
-  known_.resize(step.motion.vertex_count(), 0);
-  for (const Index v : table_.changed_vertices()) known_[v] = 0;
+  known_.resize(step.motion.vertex_count(), Known::nothing);
+  for (const Index v : table_.changed_vertices()) known_[v] = Known::nothing;
   if (!find_gap(step.motion, executor)) return;
   const Step gap{step.topology, gap_, step.filter};
   rings_.find_folds(gap, executor, folds_);
   for (std::size_t v = 0; v < known_.size(); ++v)
-    if (folds_[v] != 0) known_[v] = 0;
+    if (folds_[v] != 0) known_[v] = Known::nothing;
   find_signs(gap, gap_signs_, executor);
   for (Index o = 0; o < signs_.size(); ++o)  // stars that need the other signs are suspect in this step
     if (!gap_signs_[o].include(signs_[o]))
-      for (const Index v : step.mesh().vertices(o)) known_[v] = 0;
+      for (const Index v : step.mesh().vertices(o)) known_[v] = Known::nothing;
 }
 
 /// The common sign of the cones at v and of the tetrahedra of the elements at v, throughout the step; 0 if there is
@@ -162,11 +162,12 @@ bool VertexStars::examine_star(const Step& step, Index v, Ring& scratch) {
   const bool excluded = kind == StarKind::irregular || (kind == StarKind::ring && folds_[v] != 0);
   const int sign = excluded ? 0 : proven_sign(step, v);
   if (sign == 0) {
-    known_[v] = 0;
+    known_[v] = Known::nothing;
     return false;
   }
-  if (known_[v] == 0 && surrounds_once(step, v, sign, scratch)) known_[v] = 1;
-  return known_[v] != 0;
+  if (known_[v] == Known::nothing)
+    known_[v] = surrounds_once(step, v, sign, scratch) ? Known::surrounded : Known::not_proven;
+  return known_[v] == Known::surrounded;
 }
 
 void VertexStars::update(const Step& step, Executor& executor) {

@@ -20,10 +20,10 @@ namespace volccd::detail {
 /// BoundaryFlood and StarOrphans both rely on it. All predicates are certified: a rounding error can only make a star
 /// suspect.
 ///
-/// That a star surrounds its vertex once (condition 4) can change only at times when one of its volumes is 0 or its
-/// ring folds, or by a change of the topology. It remains known from step to step if neither occurs throughout both
-/// steps and, if the next step does not begin at the positions where the last one ended, throughout the straight motion
-/// between them. Not thread-safe; uses the executor.
+/// Whether a star surrounds its vertex once (condition 4) can change only at times when one of its volumes is 0 or its
+/// ring folds, or by a change of the topology. It remains known from step to step, or not proven, if neither occurs
+/// throughout both steps and, if the next step does not begin at the positions where the last one ended, throughout the
+/// straight motion between them. Not thread-safe; uses the executor.
 class VertexStars {
  public:
   /// Classifies the stars of the step's topology. O(elements).
@@ -45,6 +45,9 @@ class VertexStars {
   }
 
  private:
+  /// Of condition 4. What is not proven at one time is not examined again where it cannot have changed.
+  enum class Known : std::uint8_t { nothing, surrounded, not_proven };
+
   void find_signs(const Step& step, std::vector<ConeSigns>& signs, Executor& executor) const;
   void find_all_positive(const Step& step, Executor& executor);
   void invalidate_known(const Step& step, TopologyDelta::Extent changed, Executor& executor);
@@ -56,7 +59,7 @@ class VertexStars {
   StarTable table_;
   BoundaryRings rings_;
   std::vector<std::uint8_t> folds_, suspect_;  ///< by vertex
-  std::vector<std::uint8_t> known_;            ///< by vertex: whether condition 4 is known to hold
+  std::vector<Known> known_;                   ///< by vertex
   std::vector<std::uint8_t> all_positive_;     ///< by vertex: whether the volumes at it are all proven to be positive
   std::vector<ConeSigns> signs_, gap_signs_;   ///< by element slot
   std::vector<Ring> scratch_;                  ///< by worker

@@ -13,7 +13,7 @@ namespace volccd::distributed::detail {
 
 namespace {
 
-/// Elements whose boxes a worker computes in one go.
+/// Elements or vertices whose boxes a worker computes in one go.
 constexpr std::size_t kBoxes = 1024;
 
 /// Throws InputError if the arrays do not belong to the same elements.
@@ -66,16 +66,25 @@ void Home::check_elements(Exchange& exchange) const {
   });
 }
 
-void Home::make_boxes(double separation, Executor& executor, std::vector<Box>& boxes) const {
+/// Enlarged boxes are monotone, so that an element has the common box of its vertices' boxes.
+void Home::make_boxes(double separation, Executor& executor, std::vector<MotionBox>& boxes) {
   const Motion& motion = import_.motion();
+  vertex_boxes_.resize(used_.size());
+  executor.parallel_for(used_.size(), kBoxes, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (auto v = static_cast<Index>(begin); v < end; ++v) {
+      MotionBox box;
+      extend(box, motion, {&v, 1}, motion.control_points());
+      vertex_boxes_[v] = enlarged(box, separation);
+    }
+  });
   boxes.resize(elements_.size());
   executor.parallel_for(boxes.size(), kBoxes, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t i = begin; i < end; ++i) {
-      Box box;
-      const auto corners =
-          std::span(corners_).subspan(elements_.offsets[i], elements_.offsets[i + 1] - elements_.offsets[i]);
-      extend(box, motion, corners, motion.control_points());
-      boxes[i] = enlarged(box, separation);
+      MotionBox& box = boxes[i] = {};
+      for (std::size_t k = elements_.offsets[i]; k < elements_.offsets[i + 1]; ++k) {
+        const MotionBox& corner = vertex_boxes_[corners_[k]];
+        box = {box.low.cwiseMin(corner.low), box.high.cwiseMax(corner.high)};
+      }
     }
   });
 }

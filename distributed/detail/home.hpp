@@ -5,10 +5,10 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/distributed/box.hpp>
 #include <volccd/distributed/detail/vertex_import.hpp>
 #include <volccd/distributed/elements.hpp>
 #include <volccd/mesh/features.hpp>
+#include <volccd/query/region.hpp>
 
 namespace volccd::distributed::detail {
 
@@ -29,7 +29,7 @@ class Home {
   /// The motion of the vertices of the elements. Collective.
   void update(const Motion& own) { import_.update(own); }
   /// Sets `boxes` to the swept boxes of the elements in the motion of the last update, enlarged by half the separation.
-  void make_boxes(double separation, Executor& executor, std::vector<Box>& boxes) const;
+  void make_boxes(double separation, Executor& executor, std::vector<MotionBox>& boxes);
   std::uint64_t bytes_received() const { return import_.bytes_received(); }
 
  private:
@@ -43,6 +43,7 @@ class Home {
   std::vector<int> owners_;         ///< of used_
   std::vector<Index> corners_;      ///< for each of elements_.vertices, its position in used_
   VertexImport import_;             ///< of used_
+  std::vector<MotionBox> vertex_boxes_;
 };
 
 }  // namespace volccd::distributed::detail

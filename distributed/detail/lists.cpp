@@ -17,10 +17,10 @@ constexpr std::size_t kSamples = 512;
 constexpr double kMax = std::numeric_limits<double>::max();
 
 /// Finite, although a bound that a separation enlarges may be infinite.
-Vec3 centre(const Box& box) { return box.low.cwiseMax(-kMax) / 2 + box.high.cwiseMin(kMax) / 2; }
+Vec3 centre(const MotionBox& box) { return box.low.cwiseMax(-kMax) / 2 + box.high.cwiseMin(kMax) / 2; }
 
 /// The box that is greater by the part `skin` of its longest side on each side. Contains the box.
-Box with_skin(const Box& box, double skin) {
+MotionBox with_skin(const MotionBox& box, double skin) {
   if (skin == 0) return box;
   const double width = std::min(kMax, skin * (box.high - box.low).maxCoeff());
   return {box.low.array() - width, box.high.array() + width};
@@ -56,7 +56,7 @@ void get_element(Reader& reader, ReceivedElements& result) {
 
 }  // namespace
 
-Regions divide(Exchange& exchange, std::span<const Box> boxes, const Regions& present,
+Regions divide(Exchange& exchange, std::span<const MotionBox> boxes, const Regions& present,
                std::span<const double> density) {
   const std::size_t stride = std::max<std::size_t>(1, (boxes.size() + kSamples - 1) / kSamples);
   Bytes mine;
@@ -79,32 +79,36 @@ Regions divide(Exchange& exchange, std::span<const Box> boxes, const Regions& pr
   return Regions(points, weights, exchange.size());
 }
 
-Targets::Targets(std::span<const Box> boxes, double skin, const Regions& regions) {
+Targets::Targets(std::span<const MotionBox> boxes, double skin, const Regions& regions) {
   begins_.reserve(boxes.size() + 1);
   ranks_.reserve(boxes.size());
-  for (const Box& box : boxes) {
+  for (const MotionBox& box : boxes) {
     regions.meeting(with_skin(box, skin), [&](int r) { ranks_.push_back(r); });
     begins_.push_back(ranks_.size());
   }
 }
 
-bool Targets::cover(std::span<const Box> boxes, const Regions& regions) const {
+bool Targets::cover(std::span<const MotionBox> boxes, const Regions& regions) const {
   bool covered = true;
   for (std::size_t i = 0; covered && i < boxes.size(); ++i) {
     const std::span<const int> ranks = (*this)[i];
+    if (regions.region(ranks[0]).contains(boxes[i])) continue;
     regions.meeting(boxes[i], [&](int r) { covered = covered && std::ranges::find(ranks, r) != ranks.end(); });
   }
   return covered;
 }
 
-std::size_t count_pairs(std::span<const Box> boxes, double skin, const Regions& regions) {
-  std::size_t count = 0;
-  for (const Box& box : boxes) regions.meeting(with_skin(box, skin), [&](int) { ++count; });
-  return count;
+bool Targets::too_many(std::span<const MotionBox> boxes, double skin, const Regions& regions) const {
+  std::size_t present = 0, needed = 0;
+  for (std::size_t i = 0; i < boxes.size(); i += 1 + boxes.size() / 1024) {
+    present += (*this)[i].size();
+    regions.meeting(with_skin(boxes[i], skin), [&](int) { ++needed; });
+  }
+  return present > needed + needed / 4;
 }
 
-ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<const Box> boxes, const Targets& targets,
-                            const Regions& regions, double& seconds) {
+ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<const MotionBox> boxes,
+                            const Targets& targets, const Regions& regions, double& seconds) {
   std::vector<int> destinations;
   std::vector<Bytes> messages;
   {

@@ -20,34 +20,33 @@ struct ReceivedElements {
 
 /// Cuts space into regions by the centres of boxes, those in region r of weight density[r]; `density` is empty for
 /// weights of 1. The same on all ranks. Collective.
-Regions divide(Exchange& exchange, std::span<const Box> boxes, const Regions& present, std::span<const double> density);
+Regions divide(Exchange& exchange, std::span<const MotionBox> boxes, const Regions& present,
+               std::span<const double> density);
 
 /// For each box, in CSR form, the ranks whose regions meet the box that is greater by the part `skin` of its longest
 /// side on each side; ascending.
 class Targets {
  public:
   Targets() = default;
-  Targets(std::span<const Box> boxes, double skin, const Regions& regions);
+  Targets(std::span<const MotionBox> boxes, double skin, const Regions& regions);
 
   std::size_t size() const { return begins_.size() - 1; }
   std::span<const int> operator[](std::size_t i) const {
     return std::span(ranks_).subspan(begins_[i], begins_[i + 1] - begins_[i]);
   }
-  /// Number of pairs of a box and a rank.
-  std::size_t pairs() const { return ranks_.size(); }
   /// Whether these boxes, in the same order, meet no other regions.
-  bool cover(std::span<const Box> boxes, const Regions& regions) const;
+  bool cover(std::span<const MotionBox> boxes, const Regions& regions) const;
+  /// Whether there are a quarter more ranks than Targets(boxes, skin, regions) would have, judged by 1024 boxes at
+  /// most.
+  bool too_many(std::span<const MotionBox> boxes, double skin, const Regions& regions) const;
 
  private:
   std::vector<std::size_t> begins_{0};
   std::vector<int> ranks_;
 };
 
-/// Targets(boxes, skin, regions).pairs().
-std::size_t count_pairs(std::span<const Box> boxes, double skin, const Regions& regions);
-
 /// Sends each element to its targets. `boxes`: their centres tell which elements are copies. Collective.
-ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<const Box> boxes, const Targets& targets,
-                            const Regions& regions, double& seconds);
+ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<const MotionBox> boxes,
+                            const Targets& targets, const Regions& regions, double& seconds);
 
 }  // namespace volccd::distributed::detail

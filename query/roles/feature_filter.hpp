@@ -22,13 +22,10 @@ class FeatureFilter : public Stage {
     return tests.size();
   }
 
-  /// Whether run() also drops tests that others perform, whether their features touch or not. Such a filter does not run
-  /// where candidates are collected (Request::candidates), as these serve motions in which it may keep other tests.
-  virtual bool leaves_tests_to_others() const { return false; }
-
   /// Sets keep[i] to 0 for tests of the block whose features do not touch (do not come within step.separation) during
-  /// [0, step.t_max]; does not change the other entries. keep.size() == block.padded_size() is a multiple of 8, so that
-  /// kernels need no remainder loop; the entries from block.size() on are ignored. Pre: the block is not empty.
+  /// [0, step.t_max], or that are not asked for; does not change the other entries. keep.size() == block.padded_size()
+  /// is a multiple of 8, so that kernels need no remainder loop; the entries from block.size() on are ignored. Pre: the
+  /// block is not empty.
   virtual void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
                    std::span<std::uint8_t> keep) const = 0;
 };

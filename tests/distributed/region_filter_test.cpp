@@ -13,24 +13,24 @@
 namespace volccd::distributed {
 namespace {
 
-Box box_of(const Step& step, std::span<const Index> vertices) {
-  Box box;
+MotionBox box_of(const Step& step, std::span<const Index> vertices) {
+  MotionBox box;
   extend(box, step.motion, vertices, step.motion.control_points());
   return enlarged(box, step.separation);
 }
 
-Box not_enlarged(const Motion& motion, std::span<const Index> vertices) {
-  Box box;
+MotionBox not_enlarged(const Motion& motion, std::span<const Index> vertices) {
+  MotionBox box;
   extend(box, motion, vertices, motion.control_points());
   return box;
 }
 
 /// Whether the boxes are at most this far apart on each axis.
-bool are_within(double distance, const Box& a, const Box& b) {
+bool are_within(double distance, const MotionBox& a, const MotionBox& b) {
   return ((a.low - b.high).array() <= distance).all() && ((b.low - a.high).array() <= distance).all();
 }
 
-bool is_met(const Regions& regions, const Box& box, int rank) {
+bool is_met(const Regions& regions, const MotionBox& box, int rank) {
   bool met = false;
   regions.meeting(box, [&](int r) { met |= r == rank; });
   return met;
@@ -41,13 +41,15 @@ std::vector<int> keepers(const Step& step, const Regions& regions, FeatureKind k
                          const std::vector<FeaturePair>& tests) {
   std::vector<int> keeper(tests.size(), -1);
   for (int r = 0; r < regions.ranks(); ++r) {
-    const RegionFilter filter(regions.region(r));
+    const RegionFilter filter;
+    Step of_rank = step;
+    of_rank.region = regions.region(r);
     TestBlock block;
     for (std::size_t begin = 0; begin < tests.size(); begin += block.size()) {
       block.gather(step, kind,
                    std::span(tests).subspan(begin).first(std::min(TestBlock::kCapacity, tests.size() - begin)));
       std::vector<std::uint8_t> keep(block.padded_size(), 1);
-      test::run_stage(filter, step, block, keep);
+      test::run_stage(filter, of_rank, block, keep);
       for (std::size_t i = 0; i < block.size(); ++i) {
         if (keep[i] == 0) continue;
         EXPECT_EQ(keeper[begin + i], -1);
@@ -62,7 +64,7 @@ std::vector<int> keepers(const Step& step, const Regions& regions, FeatureKind k
 std::vector<Vec3> element_centres(const Step& step) {
   std::vector<Vec3> centres;
   for (Index o = 0; o < step.mesh().element_slots(); ++o) {
-    const Box box = box_of(step, step.mesh().vertices(o));
+    const MotionBox box = box_of(step, step.mesh().vertices(o));
     centres.push_back(box.low / 2 + box.high / 2);
   }
   return centres;

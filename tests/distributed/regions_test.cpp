@@ -25,7 +25,7 @@ Regions divide(std::span<const Vec3> points, int ranks) {
   return Regions(points, std::vector<double>(points.size(), 1), ranks);
 }
 
-bool meets(const Region& region, const Box& box) {
+bool meets(const Region& region, const MotionBox& box) {
   return (region.low.array() < region.high.array()).all() && (box.low.array() < region.high.array()).all() &&
          (box.high.array() >= region.low.array()).all();
 }
@@ -53,7 +53,7 @@ TEST(Regions, BoxesMeetTheRegionsWithACommonPoint) {
       const Regions regions = divide(lattice_points(100, seed), ranks);
       const std::vector<Vec3> ends = lattice_points(200, seed + 100);
       for (std::size_t i = 0; i < ends.size(); i += 2) {
-        const Box box{ends[i].cwiseMin(ends[i + 1]), ends[i].cwiseMax(ends[i + 1])};
+        const MotionBox box{ends[i].cwiseMin(ends[i + 1]), ends[i].cwiseMax(ends[i + 1])};
         std::vector<int> expected, found;
         for (int r = 0; r < ranks; ++r)
           if (meets(regions.region(r), box)) expected.push_back(r);

@@ -8,6 +8,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
+#include <volccd/culling/stars/detail/star_boxes.hpp>
 #include <volccd/query/pairs.hpp>
 #include <volccd/query/step.hpp>
 
@@ -75,7 +76,8 @@ struct ListedPair {
 /// Lists pairs of elements at vertices, on all threads.
 class CornerPairList {
  public:
-  /// Lists pairs (a, b), a <= b, of elements at each of the vertices, as how(a, b, v) says, a ListedPair.
+  /// Lists pairs (a, b), a <= b, of elements at each of the vertices, as how(a, b, v) says, a ListedPair. Pairs that
+  /// have no feature pair in the region of the step (StarBoxes) are left out.
   template <class How>
   void update(const Step& step, std::span<const Index> vertices, Executor& executor, How&& how) {
     constexpr std::size_t kGrain = 16;
@@ -97,16 +99,19 @@ class CornerPairList {
   /// Scratch memory of one worker, and what it has found.
   struct alignas(64) Worker {
     std::vector<ElementPair> found;
+    StarBoxes boxes;
     CornerPairs corners;
-    std::size_t bytes() const { return heap_bytes(found, corners); }
+    std::size_t bytes() const { return heap_bytes(found, boxes, corners); }
   };
 
   template <class How>
   static void list_at(const Step& step, Index v, Worker& worker, How&& how) {
     const std::span<const Index> star = step.features().vertex_elements(v);
+    worker.boxes.set(step, v);
     worker.corners.begin();
     for (std::size_t i = 0; i < star.size(); ++i)
       for (std::size_t j = i; j < star.size(); ++j) {
+        if (!worker.boxes.may_belong(i, j)) continue;
         const ListedPair pair = how(star[i], star[j], v);
         if (pair.listed && !(pair.tested && worker.corners.add(step, v, i, j, pair.other)))
           worker.found.push_back({star[i], star[j]});

@@ -298,6 +298,11 @@ TEST(CandidateLists, LeaveGivenTestsAlone) {
   EXPECT_TRUE(listed.run(topology, motion, {.candidates = &candidates}).contacts.empty());
   EXPECT_EQ(listed.result().statistics.reused_steps, 0u);
   EXPECT_GE(candidates.size(), all);
+  // Candidates serve other motions, in which features are elsewhere.
+  TestBatch of_region;
+  listed.run(topology, motion, {.candidates = &of_region}, 1, {}, {.low = Vec3(9, 9, 9)});
+  EXPECT_EQ(of_region.vf, candidates.vf);
+  EXPECT_EQ(of_region.ee, candidates.ee);
 }
 
 // ---- the bounds

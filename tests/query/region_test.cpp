@@ -1,15 +1,15 @@
-#include <volccd/distributed/box.hpp>
+#include <volccd/query/region.hpp>
 
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
 
-namespace volccd::distributed {
+namespace volccd {
 namespace {
 
 /// With 64 bits for the significand, the sums below are exact: both numbers have 53, and their exponents differ by less
 /// than 11.
-TEST(DistributedBox, EnlargedBoundsAreRoundedOutward) {
+TEST(MotionBox, EnlargedBoundsAreRoundedOutward) {
   Random random(1);
   for (int i = 0; i < 10000; ++i) {
     const double x = (i % 2 ? 1 : -1) * random.uniform(0.25, 1), d = random.uniform(0.25, 1);
@@ -21,12 +21,12 @@ TEST(DistributedBox, EnlargedBoundsAreRoundedOutward) {
   }
 }
 
-TEST(DistributedBox, HalfOfTheSmallestSeparationIsNotLost) {
+TEST(MotionBox, HalfOfTheSmallestSeparationIsNotLost) {
   const double tiny = std::numeric_limits<double>::denorm_min();
   EXPECT_LE(enlarged_low(tiny, tiny), enlarged_high(0, tiny));
 }
 
-TEST(DistributedBox, EnlargedBoundsAreMonotone) {
+TEST(MotionBox, EnlargedBoundsAreMonotone) {
   Random random(2);
   for (int i = 0; i < 10000; ++i) {
     const double x = random.uniform(-1, 1), y = i % 2 ? std::nextafter(x, 2) : random.uniform(-1, 1);
@@ -37,4 +37,4 @@ TEST(DistributedBox, EnlargedBoundsAreMonotone) {
 }
 
 }  // namespace
-}  // namespace volccd::distributed
+}  // namespace volccd
