@@ -298,11 +298,29 @@ TEST(CandidateLists, LeaveGivenTestsAlone) {
   EXPECT_TRUE(listed.run(topology, motion, {.candidates = &candidates}).contacts.empty());
   EXPECT_EQ(listed.result().statistics.reused_steps, 0u);
   EXPECT_GE(candidates.size(), all);
-  // Candidates serve other motions, in which features are elsewhere.
-  TestBatch of_region;
-  listed.run(topology, motion, {.candidates = &of_region}, 1, {}, {.low = Vec3(9, 9, 9)});
-  EXPECT_EQ(of_region.vf, candidates.vf);
-  EXPECT_EQ(of_region.ee, candidates.ee);
+}
+
+/// Candidates serve other motions, in which features are in other regions.
+TEST(CandidateLists, AreCollectedInAllOfSpace) {
+  const Shape shape = block(ElementType::tetrahedron, 3, 3, 3);
+  const Topology topology(shape.mesh());
+  const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, 0.6, 3));
+  PipelineSpec spec = registry().pipeline("VolCCD+");
+  for (StageChoice* stage : {&*spec.flood, &*spec.orphans}) stage->options["max_suspect_fraction"] = "1";
+  StepRunner runner{Pipeline(registry(), spec)};
+  const auto candidates = [&](const Region& region) {
+    TestBatch tests;
+    runner.run(topology, motion, {.candidates = &tests}, 1, {}, region);
+    return tests;
+  };
+  const Region elsewhere{.low = Vec3(9, 9, 9)};
+  const TestBatch all = candidates({}), same = candidates(elsewhere);
+  EXPECT_EQ(same.vf, all.vf);
+  EXPECT_EQ(same.ee, all.ee);
+  const auto orphans = [&](const Region& region) {
+    return runner.run(topology, motion, {}, 1, {}, region).statistics.orphan_tests;
+  };
+  EXPECT_LT(orphans(elsewhere), orphans({}));
 }
 
 // ---- the bounds
