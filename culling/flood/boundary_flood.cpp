@@ -246,8 +246,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
                           .filter = state.filter,
                           .separation = step.separation,
                           .t_max = step.t_max,
-                          .range = PairRange::nonadjacent,
-                          .region = step.region});
+                          .range = PairRange::nonadjacent});  // all of space: chains lead into the region
   state.stars.update(*state.step, executor);
   state.counters.simplices = topology.mesh().element_count();
   state.counters.suspect_vertices = state.stars.suspects().size();

@@ -438,6 +438,32 @@ TEST(ThreadsBoundaryFlood, SameContactsAndCountsForAnyNumberOfWorkers) {
   }
 }
 
+/// A chain of pairs leads into a region from suspect pairs outside of it.
+TEST(BoundaryFlood, DoesNotDependOnTheRegion) {
+  const Pipeline pipeline(registry(), spec_of("boundary-flood"));
+  SerialExecutor serial;
+  FloodScenes scenes(3);
+  std::size_t orphans = 0;
+  for (int i = 0; i < 20; ++i) {
+    const FloodScene scene = scenes.make();
+    Step step{scene.topology, scene.linear, kNoFilter};
+    const auto statistics = [&] {
+      Workspace workspace = pipeline.make_workspace();
+      StepResult result;
+      pipeline.run(step, workspace, serial, result);
+      return result.statistics;
+    };
+    const Statistics all = statistics();
+    step.region.low = Vec3(1e3, 1e3, 1e3);
+    const Statistics elsewhere = statistics();
+    EXPECT_EQ(elsewhere.element_pairs, all.element_pairs) << scene.what;
+    EXPECT_EQ(elsewhere.tests(), all.tests()) << scene.what;
+    EXPECT_EQ(elsewhere.orphan_tests, all.orphan_tests) << scene.what;
+    orphans += all.orphan_tests;
+  }
+  EXPECT_GT(orphans, 100u);
+}
+
 TEST(BoundaryFlood, AWorkspaceGoesOnWithAMeshOfFewerVertices) {
   Contest contest;
   for (const int n : {3, 2}) {

@@ -306,7 +306,8 @@ TEST(CandidateLists, AreCollectedInAllOfSpace) {
   const Topology topology(shape.mesh());
   const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, 0.6, 3));
   PipelineSpec spec = registry().pipeline("VolCCD+");
-  for (StageChoice* stage : {&*spec.flood, &*spec.orphans}) stage->options["max_suspect_fraction"] = "1";
+  spec.flood.reset();
+  spec.orphans->options["max_suspect_fraction"] = "1";
   StepRunner runner{Pipeline(registry(), spec)};
   const auto candidates = [&](const Region& region) {
     TestBatch tests;
