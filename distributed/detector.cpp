@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/distributed/detail/bytes.hpp>
 #include <volccd/distributed/detail/imbalance.hpp>
 #include <volccd/distributed/detail/lists.hpp>
@@ -78,6 +79,20 @@ RankContact to_rank_contact(const Contact& contact, const Mesh& mesh) {
   return result;
 }
 
+/// The vertices that are not complete, and their owners; none if there are no volume elements, whose stars alone are
+/// classified.
+void find_cut(const ReceivedElements& received, std::vector<std::int64_t>& ids, std::vector<int>& owners) {
+  if (std::ranges::all_of(received.elements.types, is_shell)) return;
+  std::vector<std::pair<std::int64_t, int>> cut;
+  for (std::size_t i = 0; i < received.complete.size(); ++i)
+    if (received.complete[i] == 0) cut.emplace_back(received.elements.vertices[i], received.owners[i]);
+  sort_unique(cut);
+  for (const auto& [id, owner] : cut) {
+    ids.push_back(id);
+    owners.push_back(owner);
+  }
+}
+
 MotionBox start_box(const Mesh& mesh, Index element, const Motion& motion) {
   MotionBox box;
   extend(box, motion, mesh.vertices(element), 1);
@@ -96,7 +111,7 @@ struct Detector::State {
   void check_step(const Motion& own, const Request& request);
   bool lists_hold(const Request& request) const;
   void make_lists(const Request& request);
-  void find_complete();
+  void make_piece(const ReceivedElements& received);
   void run(const Request& request);
   void take_result(const Request& request);
   void keep_first();
@@ -123,7 +138,6 @@ struct Detector::State {
   bool import_made = false;
   const Motion* motion = nullptr;  ///< of the piece, in this step
 
-  std::vector<std::uint8_t> complete;  ///< Step::complete of the piece; empty until a step needs it
   RankResult result;
   Motion straight;
 };
@@ -260,22 +274,39 @@ void Detector::State::make_lists(const Request& request) {
     const StageTimer timer(clock, seconds);
     targets = detail::Targets(boxes, config.skin, regions);
   }
-  const detail::ReceivedElements received = detail::distribute(exchange, *home, boxes, targets, regions, seconds);
+  const ReceivedElements received = detail::distribute(exchange, *home, boxes, targets, regions, seconds);
   held = received.elements.size();
   copies = received.copies;
   result.rank.bytes_received += received.bytes;
   piece_config = {request.leave_out_shell_neighbours ? 3 : 1, home->edge_set()};
+  make_piece(received);
+}
+
+/// Makes the piece of this rank, if the present one does not serve.
+void Detector::State::make_piece(const ReceivedElements& received) {
+  double& seconds = result.rank.piece_seconds;
+  bool serves = false;
   std::uint64_t changed = 0;
+  std::vector<std::int64_t> cut;  // vertices without all elements
+  std::vector<int> owners;
   run_on_all(exchange, "step",
              [&] {
                StageClock clock;
                const StageTimer timer(clock, seconds);
-               changed = piece.update(received.elements, received.owners, piece_config, executor) ? 1 : 0;
+               serves = piece.serves(received.elements, piece_config);
+               changed = serves ? 0 : 1;
+               if (!serves && runner->pipeline().uses_surroundings()) find_cut(received, cut, owners);
              },
              {&changed, 1});
   if (changed == 0 && import_made) return;
   import_made = false;
-  complete.clear();
+  const ReceivedElements around = detail::elements_at(exchange, *home, cut, owners, seconds);
+  result.rank.bytes_received += around.bytes;
+  run_on_all(exchange, "step", [&] {
+    StageClock clock;
+    const StageTimer timer(clock, seconds);
+    if (!serves) piece.build(received, around, piece_config, executor);
+  });
   const std::span<const std::int64_t> wanted = piece.empty() ? std::span<const std::int64_t>() : piece.vertex_ids();
   import = detail::VertexImport(exchange, wanted, piece.owners(), home->own());
   import_made = true;
@@ -283,20 +314,9 @@ void Detector::State::make_lists(const Request& request) {
 
 void Detector::State::run(const Request& request) {
   if (piece.empty()) return;
-  if (complete.empty()) find_complete();
-  runner->run(piece.topology(), *motion, request, 1, complete, region);
-}
-
-/// The piece has all elements at a vertex whose box meets the region, because their boxes contain it; and it has them
-/// as long as it lasts, wherever the vertex is.
-void Detector::State::find_complete() {
-  complete.assign(motion->vertex_count(), 0);
-  for (Index v = 0; v < motion->vertex_count(); ++v) {
-    if (piece.owners()[v] == PieceMesh::kNoRank) continue;
-    MotionBox box;
-    extend(box, *motion, {&v, 1}, motion->control_points());
-    complete[v] = region.meets(enlarged(box, runner->separation())) ? 1 : 0;
-  }
+  Piece own = piece.piece();
+  own.region = region;
+  runner->run(piece.topology(), *motion, request, 1, own);
 }
 
 /// What the pipeline found, with ids.
@@ -347,21 +367,15 @@ std::vector<RankContact> Detector::to_owners() {
         const auto ids = s.piece.vertex_ids();
         ranks.push_back(s.piece.owners()[static_cast<std::size_t>(std::ranges::lower_bound(ids, id) - ids.begin())]);
       }
-      std::ranges::sort(ranks);
-      ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
+      sort_unique(ranks);
       for (const int r : ranks) by_rank[static_cast<std::size_t>(r)].push_back(contact);
     }
   });
-  std::vector<int> destinations;
   std::vector<Bytes> messages;
-  for (std::size_t r = 0; r < by_rank.size(); ++r) {
-    if (by_rank[r].empty()) continue;
-    destinations.push_back(static_cast<int>(r));
-    messages.push_back(to_bytes(by_rank[r]));
-  }
-  const auto graph = s.exchange.connect(std::move(destinations));
+  for (const std::vector<RankContact>& contacts : by_rank)
+    messages.push_back(contacts.empty() ? Bytes() : to_bytes(contacts));
   std::vector<RankContact> result;
-  for (const Bytes& bytes : graph->exchange(std::move(messages))) {
+  for (const auto& [source, bytes] : send_to_ranks(s.exchange, std::move(messages))) {
     const std::vector<RankContact> contacts = contacts_of(bytes);
     result.insert(result.end(), contacts.begin(), contacts.end());
   }

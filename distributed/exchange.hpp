@@ -67,4 +67,27 @@ class Exchange {
   virtual void allreduce(std::span<std::uint64_t> values, Reduction reduction) = 0;
 };
 
+/// A message, and the rank from which it came.
+struct Received {
+  int source;
+  Bytes bytes;
+};
+
+/// Sends by_rank[r] to each rank r for which it is not empty. Returns the messages for this rank, by ascending source.
+/// Collective.
+inline std::vector<Received> send_to_ranks(Exchange& exchange, std::vector<Bytes> by_rank) {
+  std::vector<int> destinations;
+  std::vector<Bytes> messages;
+  for (std::size_t r = 0; r < by_rank.size(); ++r) {
+    if (by_rank[r].empty()) continue;
+    destinations.push_back(static_cast<int>(r));
+    messages.push_back(std::move(by_rank[r]));
+  }
+  const auto graph = exchange.connect(std::move(destinations));
+  std::vector<Bytes> bytes = graph->exchange(std::move(messages));
+  std::vector<Received> received;
+  for (std::size_t s = 0; s < bytes.size(); ++s) received.push_back({graph->sources()[s], std::move(bytes[s])});
+  return received;
+}
+
 }  // namespace volccd::distributed

@@ -1,8 +1,10 @@
 #include <volccd/distributed/piece_mesh.hpp>
 
 #include <algorithm>
+#include <initializer_list>
 #include <utility>
 
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/distributed/detail/owners.hpp>
 
 namespace volccd::distributed {
@@ -20,12 +22,12 @@ std::int64_t group_begin(std::int64_t id, std::int64_t group) {
 }
 
 /// The vertices of elements and those that complete their groups, ascending.
-std::vector<OwnedVertex> vertices_of(const Elements& elements, std::span<const int> owners, std::int64_t group) {
+std::vector<OwnedVertex> vertices_of(std::initializer_list<const ReceivedElements*> parts, std::int64_t group) {
   std::vector<OwnedVertex> vertices;
-  vertices.reserve(owners.size());
-  for (std::size_t i = 0; i < owners.size(); ++i) vertices.emplace_back(elements.vertices[i], owners[i]);
-  std::ranges::sort(vertices);
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  for (const ReceivedElements* part : parts)
+    for (std::size_t i = 0; i < part->owners.size(); ++i)
+      vertices.emplace_back(part->elements.vertices[i], part->owners[i]);
+  sort_unique(vertices);
   if (group == 1) return vertices;
   std::vector<OwnedVertex> all;
   for (const OwnedVertex& vertex : vertices)
@@ -44,33 +46,39 @@ std::vector<OwnedVertex> vertices_of(const Elements& elements, std::span<const i
 
 }  // namespace
 
-bool PieceMesh::update(const Elements& elements, std::span<const int> owners, const Config& config,
-                       Executor& executor) {
+bool PieceMesh::serves(const Elements& elements, const Config& config) const {
   std::vector<std::int64_t> ids = elements.ids;
   std::ranges::sort(ids);
-  const bool kept = config_ == config && ids_.size() <= ids.size() + ids.size() / 4 &&
-                    std::ranges::includes(ids_, ids) && ids.empty() == ids_.empty();
-  if (kept) return false;
-  clear();  // if the rest throws, the next update builds the piece
-  config_ = config;
-  if (elements.size() > 0) build(elements, owners, executor);
-  ids_ = std::move(ids);
-  return true;
+  return config_ == config && ids_.size() <= ids.size() + ids.size() / 4 && std::ranges::includes(ids_, ids) &&
+         ids.empty() == ids_.empty();
 }
 
-void PieceMesh::build(const Elements& elements, std::span<const int> owners, Executor& executor) {
+void PieceMesh::build(const ReceivedElements& received, const ReceivedElements& around, const Config& config,
+                      Executor& executor) {
+  clear();  // if the rest throws, the piece serves for no elements
+  config_ = config;
+  if (received.elements.size() == 0) return;
   std::vector<std::int64_t> ids;
-  for (const auto& [id, owner] : vertices_of(elements, owners, config_.vertex_group)) {
+  for (const auto& [id, owner] : vertices_of({&received, &around}, config.vertex_group)) {
     ids.push_back(id);
     owners_.push_back(owner);
   }
-  Mesh piece;
-  piece.add_vertices(ids);
   const auto slot_of = [&](std::int64_t id) {
     return static_cast<Index>(std::ranges::lower_bound(ids, id) - ids.begin());
   };
-  for (std::size_t i = 0; i < elements.size(); ++i) piece.add_element(elements.spec(i, slot_of));
-  topology_.emplace(std::move(piece), executor, config_.edge_set);
+  complete_.assign(ids.size(), 0);
+  for (std::size_t i = 0; i < received.complete.size(); ++i)
+    if (received.complete[i] != 0) complete_[slot_of(received.elements.vertices[i])] = 1;
+  const auto mesh_of = [&](const Elements& elements) {
+    Mesh mesh;
+    mesh.add_vertices(ids);
+    for (std::size_t i = 0; i < elements.size(); ++i) mesh.add_element(elements.spec(i, slot_of));
+    return mesh;
+  };
+  topology_.emplace(mesh_of(received.elements), executor, config.edge_set);
+  if (around.elements.size() > 0) around_.emplace(mesh_of(around.elements), executor, config.edge_set);
+  ids_ = received.elements.ids;
+  std::ranges::sort(ids_);
 }
 
 std::span<const std::int64_t> PieceMesh::vertex_ids() const { return topology_->mesh().vertex_ids(); }

@@ -8,8 +8,18 @@
 
 #include <volccd/distributed/elements.hpp>
 #include <volccd/mesh/topology.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd::distributed {
+
+/// Elements that a rank received. `owners`, `complete`: one for each of elements.vertices.
+struct ReceivedElements {
+  Elements elements = {};
+  std::vector<int> owners = {};             ///< the rank that gives the vertex
+  std::vector<std::uint8_t> complete = {};  ///< not 0 if this rank receives all elements at the vertex
+  std::uint64_t copies = 0;            ///< elements whose centre is in the region of another rank
+  std::uint64_t bytes = 0;             ///< from other ranks
+};
 
 /// Some elements of a mesh with all their vertices. Vertices and elements have their ids, and vertex slots ascend with
 /// the ids, as in the whole mesh, so that features, the order of vertices in a test, and contacts are those of the
@@ -26,30 +36,35 @@ class PieceMesh {
     friend bool operator==(const Config&, const Config&) = default;
   };
 
-  /// Makes this the piece of the given elements, with the owning rank of each of elements.vertices. Returns false if
-  /// the present piece remains: if it was made with the same configuration, and contains the elements and at most a
-  /// quarter more. Elements with the same id must be the same since the last clear(). Expected time O(elements).
-  bool update(const Elements& elements, std::span<const int> owners, const Config& config, Executor& executor);
-  /// The next update makes a new piece.
-  void clear() { topology_.reset(), ids_.clear(), owners_.clear(); }
+  /// Whether the piece serves for these elements: it was made with the same configuration, and contains them and at
+  /// most a quarter more. Elements with the same id must be the same since the last clear(). Time O(elements log
+  /// elements).
+  bool serves(const Elements& elements, const Config& config) const;
+  /// Makes this the piece of the given elements. `around`: the elements of Piece::around; if there are any, all that
+  /// it has to have. Expected time O(elements).
+  void build(const ReceivedElements& received, const ReceivedElements& around, const Config& config,
+             Executor& executor);
+  /// The piece serves for no elements.
+  void clear() { topology_.reset(), around_.reset(), ids_.clear(), owners_.clear(), complete_.clear(); }
 
   bool empty() const { return ids_.empty(); }
   /// Pre, here and below: not empty.
   const Topology& topology() const { return *topology_; }
-  /// Ids of the vertices, ascending, and the owner of each: kNoRank for one that completes a group, if no element of
-  /// the piece uses it.
+  /// As a part of the mesh, all of space; valid as long as the piece.
+  Piece piece() const { return {.complete = complete_, .around = around_ ? &*around_ : nullptr}; }
+  /// Ids of the vertices, ascending, and the owner of each: kNoRank for one that completes a group, if no element uses
+  /// it.
   std::span<const std::int64_t> vertex_ids() const;
   std::span<const int> owners() const { return owners_; }
 
   static constexpr int kNoRank = -1;
 
  private:
-  void build(const Elements& elements, std::span<const int> owners, Executor& executor);
-
   Config config_;
-  std::vector<std::int64_t> ids_;  ///< of the elements, ascending
-  std::vector<int> owners_;        ///< by vertex slot
-  std::optional<Topology> topology_;
+  std::vector<std::int64_t> ids_;       ///< of the elements, ascending
+  std::vector<int> owners_;             ///< by vertex slot
+  std::vector<std::uint8_t> complete_;  ///< by vertex slot
+  std::optional<Topology> topology_, around_;
 };
 
 }  // namespace volccd::distributed

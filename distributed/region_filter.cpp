@@ -44,7 +44,7 @@ void RegionFilter::run(const Step& step, StageState& state, unsigned, const Test
                        std::span<std::uint8_t> keep) const {
   const auto& low = static_cast<const State&>(state).low;
   const bool vf = block.kind() == FeatureKind::vf;
-  const Region region = step.region;
+  const Region region = step.piece.region;
   for (std::size_t test = 0; test < block.size(); ++test) {
     const std::array<Index, 4> v = block.vertices(test);
     const auto &p = low[v[0]], &q = low[v[1]], &r = low[v[2]], &s = low[v[3]];

@@ -80,6 +80,10 @@ Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec)
   separating_narrow_phases_ = narrow_phases_that(registry, [](const NarrowPhase& n) { return n.handles_separation(); });
 }
 
+bool Pipeline::uses_surroundings() const {
+  return std::ranges::any_of(stages_, [](const Stage* stage) { return stage->uses_surroundings(); });
+}
+
 Workspace Pipeline::make_workspace() const {
   Workspace workspace;
   workspace.data_ = std::make_unique<Workspace::Data>();
@@ -123,7 +127,8 @@ void Pipeline::check(const Step& step) const {
     throw ConfigError(fmt::format("narrow phase {} handles motion of degree {} at most, not {}; {}",
                                   spec_.narrow_phase.name, narrow_phase_->max_control_points() - 1,
                                   step.motion.degree(), curved_narrow_phases_));
-  if (step.region.low.hasNaN() || step.region.high.hasNaN()) throw ConfigError("region: a bound is not a number");
+  if (step.piece.region.low.hasNaN() || step.piece.region.high.hasNaN())
+    throw ConfigError("region: a bound is not a number");
   if (!(step.separation >= 0 && std::isfinite(step.separation)))
     throw ConfigError("separation: must be finite and not negative");
   if (step.separation > 0 && !narrow_phase_->handles_separation())

@@ -85,6 +85,8 @@ class Pipeline {
   const PipelineSpec& spec() const { return spec_; }
   /// The weakest guarantee among the stages.
   Guarantee guarantee() const { return guarantee_; }
+  /// Whether a stage reads Piece::around.
+  bool uses_surroundings() const;
 
   Workspace make_workspace() const;
 

@@ -43,12 +43,11 @@ StepRunner::StepRunner(Pipeline pipeline, RunConfig config)
 }
 
 const StepResult& StepRunner::run(const Topology& topology, const Motion& motion, const Request& request, double t_max,
-                                  std::span<const std::uint8_t> complete, const Region& region) {
+                                  const Piece& piece) {
   if (!(t_max >= 0 && t_max <= 1)) throw ConfigError(fmt::format("t_max: {} is not within 0 .. 1", t_max));
   Step step{topology, motion, filter_, separation_};
   step.t_max = t_max;
-  step.complete = complete;
-  step.region = region;
+  step.piece = piece;
   // Observers, initial overlaps and candidates need the stages that a list leaves out.
   if (lists_.use == ListConfig::Use::never || request.observer || request.initial_overlaps || request.candidates ||
       request.tests) {

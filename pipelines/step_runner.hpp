@@ -39,11 +39,11 @@ class StepRunner {
   explicit StepRunner(Pipeline pipeline, RunConfig config = {});
 
   /// Runs a step: `motion` has the control points of all vertices of the topology. Contacts later than t_max, in 0 .. 1
-  /// of the step, need not be found. `complete`, `region`: those of Step. Returns result(). Throws ConfigError for
+  /// of the step, need not be found. `piece`: that of Step. Returns result(). Throws ConfigError for
   /// another t_max, and the exceptions of Pipeline::run. After any exception result() is unspecified and the next step
   /// runs as with a new StepRunner.
   const StepResult& run(const Topology& topology, const Motion& motion, const Request& request = {}, double t_max = 1,
-                        std::span<const std::uint8_t> complete = {}, const Region& region = {});
+                        const Piece& piece = {});
 
   /// The result of the last step; valid until the next one.
   const StepResult& result() const { return result_; }

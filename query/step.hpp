@@ -17,6 +17,24 @@ enum class PairRange {
   every         ///< also pairs of adjacent elements, and the self pair (o, o) of each live element
 };
 
+/// What a topology is a part of, where several ranks divide a mesh (docs/distributed.md). By default it is the whole
+/// mesh, and contacts are asked for in all of space. Stages may ignore all of it: contacts do not depend on it.
+struct Piece {
+  /// By vertex: not 0 only if the topology has all elements of the mesh at the vertex. Empty: it has all of them. A
+  /// stage that leaves a step to others because of a share of the elements or vertices takes that share of complete
+  /// vertices, and of elements all of whose vertices are complete.
+  std::span<const std::uint8_t> complete = {};
+  /// Not null: all elements of the mesh at the vertices that are not complete but have an element of the topology, so
+  /// that their stars can be classified as in the mesh (docs/clear_stars.md). Vertices have the slots of the topology,
+  /// which also has those of these elements. Changes only together with `complete`.
+  const Topology* around = nullptr;
+  /// Contacts whose features have their reference point outside need not be found: a stage may drop these tests. All of
+  /// space where candidates are collected, which serve other motions.
+  Region region = {};
+
+  bool is_complete(Index v) const { return complete.empty() || complete[v] != 0; }
+};
+
 /// The motion of one step on one topology, and the options of the query. Contains references and is cheap to copy; the
 /// referenced objects must outlive the call and must not change during it.
 struct Step {
@@ -31,21 +49,13 @@ struct Step {
   double t_max = 1;
   /// Which element pairs sources of work hand out. A pipeline sets it, whatever its caller has given.
   PairRange range = PairRange::every;
-  /// By vertex, for a topology that is a part of a mesh: not 0 only if the part has all elements of the mesh at the
-  /// vertex. Empty: it has all of them. A stage that leaves a step to others because of a share of the elements or
-  /// vertices takes that share of complete vertices, and of elements all of whose vertices are complete; results do not
-  /// depend on it.
-  std::span<const std::uint8_t> complete = {};
-  /// Contacts whose features have their reference point outside need not be found: a stage may drop these tests, or may
-  /// ignore this value. By default all of space, as always where candidates are collected, which serve other motions.
-  Region region = {};
+  Piece piece = {};
   /// Which elements are adjacent; null: those with a common vertex. Not null for a broad phase over parts of elements,
   /// whose owner sets it (a pipeline sets null, whatever its caller has given). It has the slots of the topology, is
   /// the same in all steps on it, and changes only with edits that remove or add the elements concerned.
   const Adjacency* adjacency_table = nullptr;
 
   const Adjacency& adjacency() const { return adjacency_table ? *adjacency_table : topology.adjacency(); }
-  bool is_complete(Index v) const { return complete.empty() || complete[v] != 0; }
 
   const Mesh& mesh() const { return topology.mesh(); }
   const Features& features() const { return topology.features(); }

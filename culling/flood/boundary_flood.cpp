@@ -36,13 +36,13 @@ struct BoundaryFloodState final : StageState {
 
   const BroadPhase* broad_phase;
   std::unique_ptr<StageState> parts_state, simplices_state;  ///< of the broad phase; the second if it was ever needed
-  detail::SimplexComplex complex;
+  detail::SimplexComplex complex, around;                    ///< of the topology, and of Piece::around
   detail::VertexStars stars;
   detail::SuspectPairs suspects;
   detail::SuspectOrphans orphans;
   detail::OuterParts outer;
   TopologyDelta counted;                       ///< the topology for which the shares were computed
-  std::vector<std::uint8_t> counted_complete;  ///< Step::complete of then
+  std::vector<std::uint8_t> counted_complete;  ///< Piece::complete of then
   double boundary_share = 0, divided_share = 0;
   ObjectFilter filter;
   std::optional<Step> step, parts_step;  ///< of the complex, and of the outer parts
@@ -58,7 +58,7 @@ struct BoundaryFloodState final : StageState {
 
   std::size_t bytes() const override {
     return (parts_state ? parts_state->bytes() : 0) + (simplices_state ? simplices_state->bytes() : 0) +
-           heap_bytes(complex, stars, suspects, orphans, outer, counted, counted_complete, start_scratch, seen,
+           heap_bytes(complex, around, stars, suspects, orphans, outer, counted, counted_complete, start_scratch, seen,
                       seen_at_start, front, reached, workers);
   }
 };
@@ -73,7 +73,8 @@ double share_of_elements(const Step& step, Predicate&& predicate) {
   std::size_t count = 0, all = 0;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     const std::span<const Index> vertices = mesh.vertices(o);
-    if (!mesh.is_live(o) || !std::ranges::all_of(vertices, [&](Index v) { return step.is_complete(v); })) continue;
+    if (!mesh.is_live(o) || !std::ranges::all_of(vertices, [&](Index v) { return step.piece.is_complete(v); }))
+      continue;
     ++all;
     count += predicate(o) ? 1 : 0;
   }
@@ -228,10 +229,10 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.phase = Phase::parts;
   state.counters = {};
   const bool same_mesh = state.counted.sync(step.topology) == TopologyDelta::Extent::none;
-  if (!same_mesh || !std::ranges::equal(state.counted_complete, step.complete)) {
+  if (!same_mesh || !std::ranges::equal(state.counted_complete, step.piece.complete)) {
     state.boundary_share = boundary_share(step);
     state.divided_share = divided_share(step);
-    state.counted_complete.assign(step.complete.begin(), step.complete.end());
+    state.counted_complete.assign(step.piece.complete.begin(), step.piece.complete.end());
   }
   state.counted.confirm();
   if (state.boundary_share > config_.max_boundary_fraction || state.divided_share > config_.max_divided_fraction)
@@ -241,12 +242,16 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   // Object ids change along a chain of pairs only where objects share vertices. In that case only the tests are
   // filtered.
   state.filter = topology.objects_share_vertices() ? ObjectFilter() : step.filter;
-  state.step.emplace(Step{.topology = topology,
-                          .motion = step.motion,
-                          .filter = state.filter,
-                          .separation = step.separation,
-                          .t_max = step.t_max,
-                          .range = PairRange::nonadjacent});  // all of space: chains lead into the region
+  if (step.piece.around) state.around.update(*step.piece.around, executor);
+  state.step.emplace(Step{
+      .topology = topology,
+      .motion = step.motion,
+      .filter = state.filter,
+      .separation = step.separation,
+      .t_max = step.t_max,
+      .range = PairRange::nonadjacent,
+      .piece = {.complete = step.piece.complete, .around = step.piece.around ? &state.around.topology() : nullptr}});
+  // The region is all of space: chains lead into that of the step.
   state.stars.update(*state.step, executor);
   state.counters.simplices = topology.mesh().element_count();
   state.counters.suspect_vertices = state.stars.suspects().size();

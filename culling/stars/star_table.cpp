@@ -132,14 +132,15 @@ bool StarTable::share_inner_face(const Mesh& mesh, Index a, Index b) const {
   return inner;
 }
 
-std::vector<RingFace> StarTable::boundary_faces(const Topology& topology) const {
+std::vector<RingFace> StarTable::boundary_faces(const Topology& topology, std::span<const std::uint8_t> judged) const {
   const Mesh& mesh = topology.mesh();
   std::vector<RingFace> found;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!has_open_faces(faces_[o])) continue;
     visit_faces(mesh, o, [&](std::span<const Index> f, std::size_t number) {
       if (faces_[o][number] != FaceKind::boundary) return;
-      if (std::none_of(f.begin(), f.end(), [&](Index v) { return kinds_[v] == StarKind::ring; })) return;
+      const auto is_wanted = [&](Index v) { return kinds_[v] == StarKind::ring && judged[v] != 0; };
+      if (std::none_of(f.begin(), f.end(), is_wanted)) return;
       if (f.size() == 3) return found.push_back({{f[0], f[1], f[2]}});
       // Those at the diagonal are tested for all four vertices, the other two for the ends of the other diagonal.
       const auto min = static_cast<std::size_t>(std::min_element(f.begin(), f.end()) - f.begin());

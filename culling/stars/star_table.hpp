@@ -64,9 +64,9 @@ class StarTable {
   const std::array<FaceKind, 6>& faces(Index o) const { return faces_[o]; }
   /// Whether two tetrahedra have an inner face in common.
   bool share_inner_face(const Mesh& mesh, Index a, Index b) const;
-  /// The boundary faces that have a vertex with a ring. A quad becomes four triangles, so that each vertex is tested
-  /// with the two triangles of the mesh and with the two that have it in common.
-  std::vector<RingFace> boundary_faces(const Topology& topology) const;
+  /// The boundary faces that have a vertex v with a ring and judged[v] != 0. A quad becomes four triangles, so that
+  /// each vertex is tested with the two triangles of the mesh and with the two that have it in common.
+  std::vector<RingFace> boundary_faces(const Topology& topology, std::span<const std::uint8_t> judged) const;
 
   std::size_t bytes() const { return heap_bytes(delta_, kinds_, changed_vertices_, faces_, scratch_); }
 

@@ -22,8 +22,8 @@ namespace volccd::detail {
 class SuspectPairs {
  public:
   /// Lists the pairs for the step of the last stars.update(). Planes through two vertices are tried if pays(a, b) for
-  /// the elements. Planes take about a microsecond for each pair. Pairs without tests in step.region are left out: this
-  /// serves lists of orphans, but not a flood, which begins at suspect pairs wherever they are.
+  /// the elements. Planes take about a microsecond for each pair. Pairs without tests in step.piece.region are left
+  /// out: this serves lists of orphans, but not a flood, which begins at suspect pairs wherever they are.
   void update(const Step& step, const VertexStars& stars, Executor& executor, FunctionRef<bool(Index, Index)> pays);
 
   /// The pairs, with a <= b, each once. Their order depends on the executor.

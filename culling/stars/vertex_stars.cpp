@@ -170,11 +170,27 @@ bool VertexStars::examine_star(const Step& step, Index v, Ring& scratch) {
   return known_[v] == Known::surrounded;
 }
 
-void VertexStars::update(const Step& step, Executor& executor) {
+/// Determines whose stars are classified: those of vertices in use for which is_judged(v). Returns whether they are
+/// other ones than before.
+template <class IsJudged>
+bool VertexStars::set_judged(const Step& step, IsJudged&& is_judged) {
+  bool changed = judged_.size() != step.motion.vertex_count();
+  judged_.resize(step.motion.vertex_count(), 0);
+  for (Index v = 0; v < judged_.size(); ++v) {
+    const std::uint8_t judged = table_.kind(v) != StarKind::unused && is_judged(v) ? 1 : 0;
+    changed = changed || judged != judged_[v];
+    judged_[v] = judged;
+  }
+  return changed;
+}
+
+template <class IsJudged>
+void VertexStars::classify(const Step& step, Executor& executor, IsJudged&& is_judged) {
   TopologyDelta::Extent changed = table_.update(step.topology, executor);
   // An update that was interrupted leaves nothing to the next one.
   if (!std::exchange(complete_, false)) changed = TopologyDelta::Extent::everything;
-  if (changed != TopologyDelta::Extent::none) rings_.set_faces(step.mesh(), table_.boundary_faces(step.topology));
+  if (set_judged(step, is_judged) || changed != TopologyDelta::Extent::none)
+    rings_.set_faces(step.mesh(), table_.boundary_faces(step.topology, judged_));
   find_signs(step, signs_, executor);
   find_all_positive(step, executor);
   invalidate_known(step, changed, executor);
@@ -184,13 +200,27 @@ void VertexStars::update(const Step& step, Executor& executor) {
   executor.parallel_for(suspect_.size(), kStarGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
     for (std::size_t i = begin; i < end; ++i) {
       const Index v = static_cast<Index>(i);
-      suspect_[v] = table_.kind(v) != StarKind::unused && !examine_star(step, v, scratch_[w]) ? 1 : 0;
+      suspect_[v] = judged_[v] != 0 && !examine_star(step, v, scratch_[w]) ? 1 : 0;
+      if (judged_[v] == 0) known_[v] = Known::nothing;
     }
   });
+  complete_ = true;
+}
+
+void VertexStars::update(const Step& step, Executor& executor) {
+  const Piece& piece = step.piece;
+  classify(step, executor, [&](Index v) { return !piece.around || piece.is_complete(v); });
+  if (piece.around) {
+    if (!around_) around_ = std::make_unique<VertexStars>();
+    const Step all{
+        .topology = *piece.around, .motion = step.motion, .filter = step.filter, .separation = step.separation};
+    around_->classify(all, executor,
+                      [&](Index v) { return !piece.is_complete(v) && table_.kind(v) != StarKind::unused; });
+    for (std::size_t v = 0; v < suspect_.size(); ++v) suspect_[v] |= around_->suspect_[v];
+  }
   suspects_.clear();
   for (Index v = 0; v < suspect_.size(); ++v)
     if (suspect_[v] != 0) suspects_.push_back(v);
-  complete_ = true;
 }
 
 }  // namespace volccd::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -23,7 +24,10 @@ namespace volccd::detail {
 /// Whether a star surrounds its vertex once (condition 4) can change only at times when one of its volumes is 0 or its
 /// ring folds, or by a change of the topology. It remains known from step to step, or not proven, if neither occurs
 /// throughout both steps and, if the next step does not begin at the positions where the last one ended, throughout the
-/// straight motion between them. Not thread-safe; uses the executor.
+/// straight motion between them.
+///
+/// Where the step has a Piece::around, a star that is not complete is classified as it is there, with all elements of
+/// the mesh, and what is proven holds for its part in the topology as well. Not thread-safe; uses the executor.
 class VertexStars {
  public:
   /// Classifies the stars of the step's topology. O(elements).
@@ -40,14 +44,19 @@ class VertexStars {
   const StarTable& table() const { return table_; }
 
   std::size_t bytes() const {
-    return heap_bytes(table_, rings_, folds_, suspect_, known_, all_positive_, signs_, gap_signs_, scratch_, last_,
-                      gap_, suspects_);
+    return heap_bytes(table_, rings_, judged_, folds_, suspect_, known_, all_positive_, signs_, gap_signs_, scratch_,
+                      last_, gap_, suspects_) +
+           (around_ ? sizeof *around_ + around_->bytes() : 0);
   }
 
  private:
   /// Of condition 4. What is not proven at one time is not examined again where it cannot have changed.
   enum class Known : std::uint8_t { nothing, surrounded, not_proven };
 
+  template <class IsJudged>
+  bool set_judged(const Step& step, IsJudged&& is_judged);
+  template <class IsJudged>
+  void classify(const Step& step, Executor& executor, IsJudged&& is_judged);
   void find_signs(const Step& step, std::vector<ConeSigns>& signs, Executor& executor) const;
   void find_all_positive(const Step& step, Executor& executor);
   void invalidate_known(const Step& step, TopologyDelta::Extent changed, Executor& executor);
@@ -58,6 +67,7 @@ class VertexStars {
 
   StarTable table_;
   BoundaryRings rings_;
+  std::vector<std::uint8_t> judged_;           ///< by vertex: whether its star is classified here
   std::vector<std::uint8_t> folds_, suspect_;  ///< by vertex
   std::vector<Known> known_;                   ///< by vertex
   std::vector<std::uint8_t> all_positive_;     ///< by vertex: whether the volumes at it are all proven to be positive
@@ -66,7 +76,8 @@ class VertexStars {
   std::vector<Vec3> last_;                     ///< by vertex: where the last step ended
   Motion gap_;                                 ///< the straight motion from the last step to this one
   std::vector<Index> suspects_;
-  bool complete_ = false;  ///< whether the last update has ended
+  bool complete_ = false;                ///< whether the last update has ended
+  std::unique_ptr<VertexStars> around_;  ///< of Piece::around, for the stars that are not complete; null without
 };
 
 }  // namespace volccd::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <volccd/core/executor.hpp>
@@ -23,12 +24,19 @@ class Home {
   const std::vector<std::int64_t>& vertices() const { return vertices_; }
   EdgeSet edge_set() const { return edge_set_; }
   const IdTable& own() const { return own_; }
-  /// The owner of elements().vertices[i].
+  /// The ids of the vertices of the elements, ascending.
+  const std::vector<std::int64_t>& used() const { return used_; }
+  /// The position of elements().vertices[i] in used(), its owner, and its box (make_boxes).
+  Index corner(std::size_t i) const { return corners_[i]; }
   int owner(std::size_t i) const { return owners_[corners_[i]]; }
+  const MotionBox& box(std::size_t i) const { return vertex_boxes_[corners_[i]]; }
+  /// Which ranks have elements at the vertices of this rank: positions in vertices(), and ranks.
+  std::vector<std::pair<Index, int>> users() const { return import_.receivers(); }
 
   /// The motion of the vertices of the elements. Collective.
   void update(const Motion& own) { import_.update(own); }
-  /// Sets `boxes` to the swept boxes of the elements in the motion of the last update, enlarged by half the separation.
+  /// Sets `boxes` to the swept boxes of the elements in the motion of the last update, enlarged by half the separation,
+  /// and those of the vertices.
   void make_boxes(double separation, Executor& executor, std::vector<MotionBox>& boxes);
   std::uint64_t bytes_received() const { return import_.bytes_received(); }
 
@@ -39,10 +47,10 @@ class Home {
   std::vector<std::int64_t> vertices_;
   EdgeSet edge_set_ = EdgeSet::triangulated;
   IdTable own_;
-  std::vector<std::int64_t> used_;  ///< ids of the vertices of the elements, ascending
-  std::vector<int> owners_;         ///< of used_
-  std::vector<Index> corners_;      ///< for each of elements_.vertices, its position in used_
-  VertexImport import_;             ///< of used_
+  std::vector<std::int64_t> used_;
+  std::vector<int> owners_;     ///< of used_
+  std::vector<Index> corners_;  ///< for each of elements_.vertices, its position in used_
+  VertexImport import_;         ///< of used_
   std::vector<MotionBox> vertex_boxes_;
 };
 

@@ -1,9 +1,11 @@
 #include <volccd/distributed/detail/lists.hpp>
 
 #include <algorithm>
+#include <compare>
 #include <limits>
 #include <utility>
 
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/distributed/detail/bytes.hpp>
 #include <volccd/pipelines/stage_clock.hpp>
 
@@ -26,7 +28,9 @@ MotionBox with_skin(const MotionBox& box, double skin) {
   return {box.low.array() - width, box.high.array() + width};
 }
 
-void put_element(Bytes& bytes, const Home& home, std::size_t i, bool copy) {
+/// Appends an element to a message. is_complete(k): whether the receiver has all elements at elements.vertices[k].
+template <class IsComplete>
+void put_element(Bytes& bytes, const Home& home, std::size_t i, bool copy, IsComplete&& is_complete) {
   const Elements& elements = home.elements();
   const auto vertices = elements.vertices_of(i), faces = elements.faces_of(i);
   put(bytes, elements.types[i]);
@@ -37,6 +41,8 @@ void put_element(Bytes& bytes, const Home& home, std::size_t i, bool copy) {
   put(bytes, static_cast<std::uint32_t>(faces.size()));
   put_values(bytes, vertices);
   for (std::size_t k = elements.offsets[i]; k < elements.offsets[i + 1]; ++k) put(bytes, home.owner(k));
+  for (std::size_t k = elements.offsets[i]; k < elements.offsets[i + 1]; ++k)
+    put(bytes, static_cast<std::uint8_t>(is_complete(k) ? 1 : 0));
   put_values(bytes, faces);
 }
 
@@ -49,9 +55,55 @@ void get_element(Reader& reader, ReceivedElements& result) {
   const auto vertices = reader.get<std::uint32_t>(), faces = reader.get<std::uint32_t>();
   reader.append(vertices, elements.vertices);
   reader.append(vertices, result.owners);
+  reader.append(vertices, result.complete);
   reader.append(faces, elements.faces);
   elements.offsets.push_back(elements.vertices.size());
   elements.face_offsets.push_back(elements.faces.size());
+}
+
+/// Sends the elements in by_rank[r], as put_element() wrote them, to rank r.
+ReceivedElements exchange_elements(Exchange& exchange, std::vector<Bytes> by_rank, double& seconds) {
+  const std::vector<Received> received = send_to_ranks(exchange, std::move(by_rank));
+  StageClock clock;
+  const StageTimer timer(clock, seconds);
+  ReceivedElements result;
+  for (const auto& [source, bytes] : received) {
+    for (Reader reader(bytes); !reader.at_end();) get_element(reader, result);
+    if (source != exchange.rank()) result.bytes += bytes.size();
+  }
+  return result;
+}
+
+/// A vertex, by its position in a list or its id, and a rank that asks for its elements.
+template <class T>
+struct Asked {
+  T vertex;
+  int rank;
+
+  friend auto operator<=>(const Asked&, const Asked&) = default;
+};
+
+/// Passes the questions of all ranks on to the ranks whose elements have the vertices. Returns those to this rank, with
+/// positions of Home::used().
+std::vector<Asked<Index>> ask(Exchange& exchange, const Home& home, std::span<const std::int64_t> ids,
+                              std::span<const int> owners) {
+  std::vector<Bytes> to_owners(static_cast<std::size_t>(exchange.size())), to_users(to_owners.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) put(to_owners[static_cast<std::size_t>(owners[i])], ids[i]);
+  std::vector<Asked<Index>> questions;  // with positions in home.vertices()
+  for (const auto& [source, bytes] : send_to_ranks(exchange, std::move(to_owners)))
+    for (const std::int64_t id : values_of<std::int64_t>(bytes)) questions.push_back({home.own().find(id), source});
+  std::ranges::sort(questions);
+  for (const auto& [vertex, user] : home.users()) {
+    const auto [begin, end] = std::ranges::equal_range(questions, vertex, {}, &Asked<Index>::vertex);
+    for (auto at = begin; at != end; ++at)
+      put(to_users[static_cast<std::size_t>(user)], Asked<std::int64_t>{home.vertices()[vertex], at->rank});
+  }
+  questions.clear();
+  for (const auto& [source, bytes] : send_to_ranks(exchange, std::move(to_users)))
+    for (const auto& [id, rank] : values_of<Asked<std::int64_t>>(bytes))
+      questions.push_back({static_cast<Index>(std::ranges::lower_bound(home.used(), id) - home.used().begin()), rank});
+  std::ranges::sort(questions);
+  return questions;
 }
 
 }  // namespace
@@ -109,32 +161,40 @@ bool Targets::too_many(std::span<const MotionBox> boxes, double skin, const Regi
 
 ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<const MotionBox> boxes,
                             const Targets& targets, const Regions& regions, double& seconds) {
-  std::vector<int> destinations;
-  std::vector<Bytes> messages;
+  std::vector<Bytes> by_rank(static_cast<std::size_t>(exchange.size()));
   {
     StageClock clock;
     const StageTimer timer(clock, seconds);
-    std::vector<Bytes> by_rank(static_cast<std::size_t>(exchange.size()));
     for (std::size_t i = 0; i < targets.size(); ++i) {
       const int rank_of_centre = regions.at(centre(boxes[i]));
-      for (const int r : targets[i]) put_element(by_rank[static_cast<std::size_t>(r)], home, i, r != rank_of_centre);
-    }
-    for (std::size_t r = 0; r < by_rank.size(); ++r) {
-      if (by_rank[r].empty()) continue;
-      destinations.push_back(static_cast<int>(r));
-      messages.push_back(std::move(by_rank[r]));
+      for (const int r : targets[i])
+        put_element(by_rank[static_cast<std::size_t>(r)], home, i, r != rank_of_centre,
+                    [&](std::size_t k) { return regions.region(r).meets(home.box(k)); });
     }
   }
-  const auto graph = exchange.connect(std::move(destinations));
-  const std::vector<Bytes> received = graph->exchange(std::move(messages));
-  StageClock clock;
-  const StageTimer timer(clock, seconds);
-  ReceivedElements result;
-  for (std::size_t s = 0; s < received.size(); ++s) {
-    for (Reader reader(received[s]); !reader.at_end();) get_element(reader, result);
-    if (graph->sources()[s] != exchange.rank()) result.bytes += received[s].size();
+  return exchange_elements(exchange, std::move(by_rank), seconds);
+}
+
+ReceivedElements elements_at(Exchange& exchange, const Home& home, std::span<const std::int64_t> ids,
+                             std::span<const int> owners, double& seconds) {
+  const std::vector<Asked<Index>> questions = ask(exchange, home, ids, owners);
+  std::vector<Bytes> by_rank(static_cast<std::size_t>(exchange.size()));
+  {
+    StageClock clock;
+    const StageTimer timer(clock, seconds);
+    const Elements& elements = home.elements();
+    std::vector<int> askers;
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      askers.clear();
+      for (std::size_t k = elements.offsets[i]; k < elements.offsets[i + 1]; ++k)
+        for (const auto& asked : std::ranges::equal_range(questions, home.corner(k), {}, &Asked<Index>::vertex))
+          askers.push_back(asked.rank);
+      sort_unique(askers);
+      for (const int r : askers)
+        put_element(by_rank[static_cast<std::size_t>(r)], home, i, false, [](std::size_t) { return false; });
+    }
   }
-  return result;
+  return exchange_elements(exchange, std::move(by_rank), seconds);
 }
 
 }  // namespace volccd::distributed::detail

@@ -6,17 +6,10 @@
 #include <vector>
 
 #include <volccd/distributed/detail/home.hpp>
+#include <volccd/distributed/piece_mesh.hpp>
 #include <volccd/distributed/regions.hpp>
 
 namespace volccd::distributed::detail {
-
-/// The elements of a rank as received, with the owner of each of elements.vertices.
-struct ReceivedElements {
-  Elements elements;
-  std::vector<int> owners;
-  std::uint64_t copies = 0;  ///< elements whose centre is in the region of another rank
-  std::uint64_t bytes = 0;   ///< from other ranks
-};
 
 /// Cuts space into regions by the centres of boxes, those in region r of weight density[r]; `density` is empty for
 /// weights of 1. The same on all ranks. Collective.
@@ -45,8 +38,14 @@ class Targets {
   std::vector<int> ranks_;
 };
 
-/// Sends each element to its targets. `boxes`: their centres tell which elements are copies. Collective.
+/// Sends each element to its targets. `boxes`: their centres tell which elements are copies. A vertex is complete on
+/// the ranks whose regions its box meets, because the boxes of all elements at it contain it. Collective.
 ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<const MotionBox> boxes,
                             const Targets& targets, const Regions& regions, double& seconds);
+
+/// The elements of all ranks that have one of these vertices. `ids` are distinct, `owners` the ranks that give them. No
+/// vertex is marked as complete. Collective.
+ReceivedElements elements_at(Exchange& exchange, const Home& home, std::span<const std::int64_t> ids,
+                             std::span<const int> owners, double& seconds);
 
 }  // namespace volccd::distributed::detail

@@ -9,7 +9,7 @@ namespace volccd::distributed::detail {
 
 VertexImport::VertexImport(Exchange& exchange, std::span<const std::int64_t> wanted, std::span<const int> owners,
                            const IdTable& own)
-    : count_(static_cast<Index>(wanted.size())) {
+    : rank_(exchange.rank()), count_(static_cast<Index>(wanted.size())) {
   std::vector<std::vector<std::int64_t>> asked(static_cast<std::size_t>(exchange.size()));
   std::vector<std::vector<Index>> places(asked.size());
   for (Index i = 0; i < count_; ++i) {
@@ -38,6 +38,14 @@ VertexImport::VertexImport(Exchange& exchange, std::span<const std::int64_t> wan
   const auto sources = graph->sources();
   graph_ = exchange.connect({sources.begin(), sources.end()});
   assert(graph_->sources().size() == received_.size());
+}
+
+std::vector<std::pair<Index, int>> VertexImport::receivers() const {
+  std::vector<std::pair<Index, int>> result;
+  for (const Index i : kept_own_) result.emplace_back(i, rank_);
+  for (std::size_t d = 0; d < sent_.size(); ++d)
+    for (const Index i : sent_[d]) result.emplace_back(i, graph_->destinations()[d]);
+  return result;
 }
 
 const Motion& VertexImport::update(const Motion& own) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <volccd/distributed/detail/owners.hpp>
@@ -26,10 +27,13 @@ class VertexImport {
   /// That of the last update.
   const Motion& motion() const { return motion_; }
 
+  /// To which ranks, this one too, the vertices that this rank owns go: positions in its motion, and ranks.
+  std::vector<std::pair<Index, int>> receivers() const;
   std::uint64_t bytes_received() const { return bytes_received_; }  ///< by the last update
   std::size_t neighbours() const { return graph_ ? graph_->sources().size() : 0; }
 
  private:
+  int rank_ = 0;                              ///< this one
   std::unique_ptr<Neighbourhood> graph_;      ///< null before it is constructed
   std::vector<std::vector<Index>> sent_;      ///< by destination: positions in the own motion
   std::vector<std::vector<Index>> received_;  ///< by source: positions in the motion of the wanted ones

@@ -28,7 +28,7 @@ class Pipeline::Run {
         earliest_(request.query, step.t_max, pipeline.narrow_phase_->time_tolerance()) {
     step_.range = pipeline.range_;
     step_.adjacency_table = nullptr;
-    if (request.candidates) step_.region = {};
+    if (request.candidates) step_.piece.region = {};
   }
 
   void execute(StepResult& result, const Workspace& workspace) {

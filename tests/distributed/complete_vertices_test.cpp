@@ -26,7 +26,8 @@ struct Slab {
       const auto [low, high] = std::ranges::minmax(vertices, {}, x);
       if (x(low) <= 4 && x(high) >= 2) elements.add(mesh, o);
     }
-    piece.update(elements, std::vector<int>(elements.vertices.size(), 0), {}, serial_executor());
+    piece.build({.elements = elements, .owners = std::vector<int>(elements.vertices.size(), 0)}, {}, {},
+                serial_executor());
     std::vector<Vec3> positions;
     for (const std::int64_t id : piece.vertex_ids()) {
       positions.push_back(whole.positions[static_cast<std::size_t>(id)]);
@@ -52,7 +53,7 @@ struct Slab {
   bool takes(const BoundaryFlood::Config& config, bool with_complete) const {
     const ObjectFilter everything;
     Step step{piece.topology(), motion, everything};
-    if (with_complete) step.complete = complete;
+    if (with_complete) step.piece.complete = complete;
     const KdopBvh broad_phase{KdopBvh::Config()};
     const BoundaryFlood flood(config);
     const auto state = flood.make_state_with(broad_phase);

@@ -22,7 +22,10 @@ std::vector<int> owners_of(const Elements& elements) {
 }
 
 bool update(PieceMesh& piece, const Elements& elements, std::int64_t group = 1) {
-  return piece.update(elements, owners_of(elements), {.vertex_group = group}, serial_executor());
+  const PieceMesh::Config config{.vertex_group = group};
+  if (piece.serves(elements, config)) return false;
+  piece.build({.elements = elements, .owners = owners_of(elements)}, {}, config, serial_executor());
+  return true;
 }
 
 /// That the piece has the elements, with the ids of their vertices, in any case.

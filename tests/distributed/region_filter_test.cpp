@@ -43,7 +43,7 @@ std::vector<int> keepers(const Step& step, const Regions& regions, FeatureKind k
   for (int r = 0; r < regions.ranks(); ++r) {
     const RegionFilter filter;
     Step of_rank = step;
-    of_rank.region = regions.region(r);
+    of_rank.piece.region = regions.region(r);
     TestBlock block;
     for (std::size_t begin = 0; begin < tests.size(); begin += block.size()) {
       block.gather(step, kind,

@@ -35,11 +35,13 @@ class Contest {
         plain_workspace_(plain_.make_workspace()),
         flooded_workspace_(flooded_.make_workspace()) {}
 
-  /// Returns the number of contacts.
+  /// Returns the number of contacts. The pipeline without a flood knows nothing of the step's piece.
   std::size_t compare(const Step& step, const std::string& what, const Request& request = {}) {
     SerialExecutor serial;
     StepResult expected, found;
-    plain_.run(step, plain_workspace_, serial, expected, request);
+    Step alone = step;
+    alone.piece = {};
+    plain_.run(alone, plain_workspace_, serial, expected, request);
     flooded_.run(step, flooded_workspace_, serial, found, request);
     const ContactDifference d = compare_contacts(expected.contacts, found.contacts);
     EXPECT_TRUE(d.empty()) << what << ": " << d.missing.size() << " of " << expected.contacts.size() << " missing, "

@@ -16,13 +16,11 @@ using Kind = PartTable::Kind;
 /// Up to this many vertices without a suspect star remain marked, besides as many as have one.
 constexpr std::size_t kMaxFormerSuspects = 256;
 
-/// The part of a simplex that the topology determines: with the kinds of its faces, and without regard to motion.
+/// The part of a simplex that the topology determines: with the kinds of its faces, and without regard to marks.
 Kind boundary_kind(const Mesh& mesh, const StarTable& table, Index o) {
   const std::span<const Index> vertices = mesh.vertices(o);
   if (!mesh.is_live(o)) return PartTable::kNoPart;
-  const bool irregular =
-      std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return table.kind(v) == StarKind::irregular; });
-  if (mesh.type(o) != ElementType::tetrahedron || irregular) return PartTable::kWhole;
+  if (mesh.type(o) != ElementType::tetrahedron) return PartTable::kWhole;
   Kind kind = PartTable::kNoPart;
   visit_faces(mesh, o, [&](std::span<const Index> face, std::size_t number) {
     if (table.faces(o)[number] != FaceKind::boundary) return;
@@ -71,9 +69,9 @@ void OuterParts::find_components(const Step& step) {
 
 /// A component of S without a boundary part consists of elements at marked vertices. Such a vertex is chosen if no
 /// vertex of its star is on a boundary part; otherwise its component contains that part.
-void OuterParts::choose_vertices(const Step& step, const VertexStars& stars) {
+void OuterParts::choose_vertices(const Step& step) {
   chosen_ = components_;
-  const auto inner = [&](Index v) { return stars.table().kind(v) == StarKind::interior; };
+  const auto inner = [&](Index v) { return parents_[v] == kNone; };  // of no boundary part
   for (const Index v : marked_) {
     const std::span<const Index> star = step.features().vertex_elements(v);
     const bool apart = std::all_of(star.begin(), star.end(), [&](Index o) {
@@ -85,8 +83,8 @@ void OuterParts::choose_vertices(const Step& step, const VertexStars& stars) {
   sort_unique(chosen_);
 }
 
-/// Marks the vertices with suspect stars, and sets vertices_ to those that became marked or unmarked. After an edit, which
-/// changes parts in any case, no other vertices remain marked.
+/// Marks the vertices with suspect stars, and sets vertices_ to those that became marked or unmarked. After an edit,
+/// which changes parts in any case, no other vertices remain marked.
 void OuterParts::mark_vertices(const Step& step, const VertexStars& stars, bool edited) {
   const std::vector<Index>& suspects = stars.suspects();
   is_marked_.resize(step.mesh().vertex_count(), 0);
@@ -139,7 +137,7 @@ void OuterParts::update(const Step& step, const VertexStars& stars, Executor& ex
     return marked ? PartTable::kWhole : boundary_kinds_[o];
   };
   everything ? table_.build(mesh, kind_of, executor) : table_.update(mesh, slots_, kind_of);
-  choose_vertices(step, stars);
+  choose_vertices(step);
   delta_.confirm();
 }
 

@@ -36,13 +36,13 @@ class OuterParts {
   void mark_vertices(const Step& step, const VertexStars& stars, bool edited);
   void find_changed_slots(const Step& step);
   void find_components(const Step& step);
-  void choose_vertices(const Step& step, const VertexStars& stars);
+  void choose_vertices(const Step& step);
 
   TopologyDelta delta_;
   PartTable table_;
-  std::vector<PartTable::Kind> boundary_kinds_;  ///< by slot: the part if no star but irregular ones is suspect
+  std::vector<PartTable::Kind> boundary_kinds_;  ///< by slot: the part if no vertex is marked
   std::vector<Index> components_;                ///< a vertex of each connected component of the boundary parts
-  std::vector<Index> parents_;                   ///< by vertex: scratch memory of find_components()
+  std::vector<Index> parents_;                   ///< by vertex: kNone if it is of no boundary part
   std::vector<Index> marked_;                    ///< ascending
   std::vector<std::uint8_t> is_marked_;          ///< by vertex
   std::vector<Index> vertices_;                  ///< those that became marked or unmarked; scratch memory of update()

@@ -17,7 +17,7 @@ class StarBoxes {
   /// Takes the boxes of the elements at v; none if the region is all of space.
   void set(const Step& step, Index v) {
     boxes_.clear();
-    region_ = step.region;
+    region_ = step.piece.region;
     if (region_.is_all()) return;
     const int points = step.motion.control_points();
     for (const Index o : step.features().vertex_elements(v)) {

@@ -119,13 +119,14 @@ TEST(SuspectPairs, OfARegionHaveAllItsOrphans) {
       std::size_t all_pairs = 0, pairs = 0, belong = 0;
       const TestBatch all = orphans_of(step, all_pairs);
       for (int trial = 0; trial < 20; ++trial) {
-        step.region = {};
+        step.piece.region = {};
         for (int i = 0; i < 3; ++i) {
           const double cut = random.uniform(0, 3);  // at a vertex now and then
-          (random.below(2) == 0 ? step.region.low : step.region.high)[i] = trial % 4 == 0 ? std::round(cut) : cut;
+          (random.below(2) == 0 ? step.piece.region.low : step.piece.region.high)[i] =
+              trial % 4 == 0 ? std::round(cut) : cut;
         }
-        const TestBatch expected = orphans_in(step, all, step.region);
-        const TestBatch found = orphans_in(step, orphans_of(step, pairs), step.region);
+        const TestBatch expected = orphans_in(step, all, step.piece.region);
+        const TestBatch found = orphans_in(step, orphans_of(step, pairs), step.piece.region);
         EXPECT_EQ(found.vf, expected.vf) << trial;
         EXPECT_EQ(found.ee, expected.ee) << trial;
         belong += expected.size();

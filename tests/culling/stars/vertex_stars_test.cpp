@@ -17,6 +17,7 @@
 #include "culling/exact_contacts.hpp"
 #include "culling/stars/ends_in_loop.hpp"
 #include "culling/stars/jittered_block.hpp"
+#include "support/cut.hpp"
 #include "support/trials.hpp"
 
 namespace volccd::detail {
@@ -140,6 +141,43 @@ TEST(VertexStars, OfElementsThinnerThanTheSeparationAreSuspect) {
           << to_string(type) << ", separation " << separation;
     }
   }
+}
+
+/// With the elements around it, a part of a mesh has the suspect stars of the mesh.
+TEST(VertexStars, OfAPieceAreThoseOfTheMesh) {
+  SerialExecutor serial;
+  Seen cut;
+  for (const ElementType type :
+       {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge, ElementType::pyramid, ElementType::none})
+    for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(test::trials(20)); ++seed) {
+      Random random(seed);
+      const Shape shape = type == ElementType::none ? mixed_block(2, 2) : block(type, 3, 3, 2);
+      Topology topology(permuted(shape, seed).mesh());
+      topology.apply({some_elements(topology.mesh(), random, 0.05), {}, {}});
+      const test::Cut part(topology, [&](Index) { return random.uniform() < 0.6; });
+      std::vector<Vec3> at = deformed(permuted(shape, seed).positions, random, 0.2, 0.02);
+      VertexStars of_mesh, of_part;
+      for (int i = 0; i < 4; ++i) {
+        if (i == 2) at = deformed(permuted(shape, seed).positions, random, 0.5, 0.1);  // a jump
+        const std::vector<Vec3> to = deformed(at, random, 0.1, random.uniform() * 0.1);
+        const Motion motion = Motion::linear(at, to);
+        const double separation = i == 3 ? 0.05 * random.uniform() : 0;
+        of_mesh.update({topology, motion, kEveryObject, separation}, serial);
+        Step step{part.topology, motion, kEveryObject, separation};
+        step.piece = part.piece();
+        of_part.update(step, serial);
+        std::vector<Index> expected;
+        for (const Index v : of_mesh.suspects())
+          if (!part.topology.features().vertex_elements(v).empty()) expected.push_back(v);
+        EXPECT_EQ(of_part.suspects(), expected) << to_string(type) << ' ' << seed << ' ' << i;
+        for (Index v = 0; v < motion.vertex_count(); ++v)
+          if (part.complete[v] == 0 && !part.topology.features().vertex_elements(v).empty())
+            ++(of_part.suspect(v) ? cut.suspect : cut.clear);
+        at = to;
+      }
+    }
+  EXPECT_GT(cut.clear, 100u);
+  EXPECT_GT(cut.suspect, 100u);
 }
 
 /// The middle of a quadratic motion is so far away that differences overflow: nothing is proven, for any vertex.
