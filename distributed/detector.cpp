@@ -128,8 +128,7 @@ struct Detector::State {
   bool cuts_made = false;  ///< in this step
   detail::Imbalance imbalance;
 
-  std::vector<MotionBox> boxes;  ///< of the elements of this rank in this step
-  detail::Targets targets;       ///< the ranks that hold them
+  detail::Targets targets;  ///< the ranks that hold the elements of this rank
   bool lists_made = false;
   std::uint64_t held = 0, copies = 0;  ///< elements in the list that this rank received
   PieceMesh piece;
@@ -216,7 +215,7 @@ const RankResult& Detector::step(const Motion& own, const Request& request) {
              [&] {
                StageClock clock;
                const StageTimer timer(clock, rank.piece_seconds);
-               s.home->make_boxes(s.runner->separation(), s.executor, s.boxes);
+               s.home->make_boxes(s.runner->separation(), s.executor);
                anew = lists_before && s.divided && s.lists_hold(request) ? 0 : 1;
              },
              {&anew, 1});
@@ -256,13 +255,19 @@ void Detector::State::check_step(const Motion& own, const Request& request) {
 /// Whether the lists have all elements that ranks need now, and not many more.
 bool Detector::State::lists_hold(const Request& request) const {
   if (piece_config.vertex_group != (request.leave_out_shell_neighbours ? 3 : 1)) return false;
-  return targets.cover(boxes, regions) && !targets.too_many(boxes, config.skin, regions);
+  return targets.cover(*home, regions) && !targets.too_many(*home, config.skin, regions);
 }
 
 /// Divides space if that is due, gives elements to ranks, and makes the piece of this rank if the present one does not
 /// serve.
 void Detector::State::make_lists(const Request& request) {
   double& seconds = result.rank.piece_seconds;
+  std::vector<MotionBox> boxes;
+  {
+    StageClock clock;
+    const StageTimer timer(clock, seconds);
+    boxes = home->element_boxes(executor);
+  }
   if (!divided || imbalance.wants_cuts()) {
     const std::vector<double> density = divided ? imbalance.density(exchange) : std::vector<double>();
     regions = detail::divide(exchange, boxes, regions, density);
@@ -272,7 +277,7 @@ void Detector::State::make_lists(const Request& request) {
   {
     StageClock clock;
     const StageTimer timer(clock, seconds);
-    targets = detail::Targets(boxes, config.skin, regions);
+    targets = detail::Targets(*home, boxes, config.skin, regions);
   }
   const ReceivedElements received = detail::distribute(exchange, *home, boxes, targets, regions, seconds);
   held = received.elements.size();

@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include <volccd/core/function_ref.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/distributed/detail/owners.hpp>
 
@@ -44,6 +45,16 @@ std::vector<OwnedVertex> vertices_of(std::initializer_list<const ReceivedElement
   return all;
 }
 
+/// Marks all vertices of the elements but those at which it lacks one of the elements around (`held`: the ids of those
+/// that it has, ascending).
+void mark_complete(const Elements& elements, const Elements& around, std::span<const std::int64_t> held,
+                   FunctionRef<Index(std::int64_t)> slot_of, std::vector<std::uint8_t>& complete) {
+  for (const std::int64_t id : elements.vertices) complete[slot_of(id)] = 1;
+  for (std::size_t i = 0; i < around.size(); ++i)
+    if (!std::ranges::binary_search(held, around.ids[i]))
+      for (const std::int64_t id : around.vertices_of(i)) complete[slot_of(id)] = 0;
+}
+
 }  // namespace
 
 bool PieceMesh::serves(const Elements& elements, const Config& config) const {
@@ -58,7 +69,8 @@ void PieceMesh::build(const ReceivedElements& received, const ReceivedElements& 
   clear();  // if the rest throws, the piece serves for no elements
   config_ = config;
   if (received.elements.size() == 0) return;
-  std::vector<std::int64_t> ids;
+  std::vector<std::int64_t> ids, held = received.elements.ids;
+  std::ranges::sort(held);
   for (const auto& [id, owner] : vertices_of({&received, &around}, config.vertex_group)) {
     ids.push_back(id);
     owners_.push_back(owner);
@@ -66,19 +78,28 @@ void PieceMesh::build(const ReceivedElements& received, const ReceivedElements& 
   const auto slot_of = [&](std::int64_t id) {
     return static_cast<Index>(std::ranges::lower_bound(ids, id) - ids.begin());
   };
+  const auto mesh_of = [&](const Elements& elements, auto&& keep) {
+    Mesh mesh;
+    mesh.add_vertices(ids);
+    for (std::size_t i = 0; i < elements.size(); ++i)
+      if (keep(i)) mesh.add_element(elements.spec(i, slot_of));
+    return mesh;
+  };
+  topology_.emplace(mesh_of(received.elements, [](std::size_t) { return true; }), executor, config.edge_set);
   complete_.assign(ids.size(), 0);
   for (std::size_t i = 0; i < received.complete.size(); ++i)
     if (received.complete[i] != 0) complete_[slot_of(received.elements.vertices[i])] = 1;
-  const auto mesh_of = [&](const Elements& elements) {
-    Mesh mesh;
-    mesh.add_vertices(ids);
-    for (std::size_t i = 0; i < elements.size(); ++i) mesh.add_element(elements.spec(i, slot_of));
-    return mesh;
-  };
-  topology_.emplace(mesh_of(received.elements), executor, config.edge_set);
-  if (around.elements.size() > 0) around_.emplace(mesh_of(around.elements), executor, config.edge_set);
-  ids_ = received.elements.ids;
-  std::ranges::sort(ids_);
+  if (around.elements.size() > 0) {
+    mark_complete(received.elements, around.elements, held, slot_of, complete_);
+    const auto is_cut = [&](std::int64_t id) {
+      const Index v = slot_of(id);
+      return complete_[v] == 0 && !topology_->features().vertex_elements(v).empty();
+    };
+    Mesh others = mesh_of(around.elements,
+                          [&](std::size_t i) { return std::ranges::any_of(around.elements.vertices_of(i), is_cut); });
+    if (others.element_count() > 0) around_.emplace(std::move(others), executor, config.edge_set);
+  }
+  ids_ = std::move(held);
 }
 
 std::span<const std::int64_t> PieceMesh::vertex_ids() const { return topology_->mesh().vertex_ids(); }

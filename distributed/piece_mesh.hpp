@@ -17,8 +17,8 @@ struct ReceivedElements {
   Elements elements = {};
   std::vector<int> owners = {};             ///< the rank that gives the vertex
   std::vector<std::uint8_t> complete = {};  ///< not 0 if this rank receives all elements at the vertex
-  std::uint64_t copies = 0;            ///< elements whose centre is in the region of another rank
-  std::uint64_t bytes = 0;             ///< from other ranks
+  std::uint64_t copies = 0;                 ///< elements whose centre is in the region of another rank
+  std::uint64_t bytes = 0;                  ///< from other ranks
 };
 
 /// Some elements of a mesh with all their vertices. Vertices and elements have their ids, and vertex slots ascend with
@@ -40,8 +40,8 @@ class PieceMesh {
   /// most a quarter more. Elements with the same id must be the same since the last clear(). Time O(elements log
   /// elements).
   bool serves(const Elements& elements, const Config& config) const;
-  /// Makes this the piece of the given elements. `around`: the elements of Piece::around; if there are any, all that
-  /// it has to have. Expected time O(elements).
+  /// Makes this the piece of the given elements. `around`: none, or all elements at the vertices that are not marked as
+  /// complete; those that turn out to be complete are marked. Time O(elements log elements).
   void build(const ReceivedElements& received, const ReceivedElements& around, const Config& config,
              Executor& executor);
   /// The piece serves for no elements.

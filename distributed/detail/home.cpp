@@ -66,8 +66,7 @@ void Home::check_elements(Exchange& exchange) const {
   });
 }
 
-/// Enlarged boxes are monotone, so that an element has the common box of its vertices' boxes.
-void Home::make_boxes(double separation, Executor& executor, std::vector<MotionBox>& boxes) {
+void Home::make_boxes(double separation, Executor& executor) {
   const Motion& motion = import_.motion();
   vertex_boxes_.resize(used_.size());
   executor.parallel_for(used_.size(), kBoxes, [&](std::size_t begin, std::size_t end, unsigned) {
@@ -77,16 +76,24 @@ void Home::make_boxes(double separation, Executor& executor, std::vector<MotionB
       vertex_boxes_[v] = enlarged(box, separation);
     }
   });
-  boxes.resize(elements_.size());
+}
+
+/// Enlarged boxes are monotone, so that an element has the common box of its vertices' boxes.
+MotionBox Home::element_box(std::size_t i) const {
+  MotionBox box;
+  for (std::size_t k = elements_.offsets[i]; k < elements_.offsets[i + 1]; ++k) {
+    const MotionBox& corner = corner_box(k);
+    box = {box.low.cwiseMin(corner.low), box.high.cwiseMax(corner.high)};
+  }
+  return box;
+}
+
+std::vector<MotionBox> Home::element_boxes(Executor& executor) const {
+  std::vector<MotionBox> boxes(elements_.size());
   executor.parallel_for(boxes.size(), kBoxes, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t i = begin; i < end; ++i) {
-      MotionBox& box = boxes[i] = {};
-      for (std::size_t k = elements_.offsets[i]; k < elements_.offsets[i + 1]; ++k) {
-        const MotionBox& corner = vertex_boxes_[corners_[k]];
-        box = {box.low.cwiseMin(corner.low), box.high.cwiseMax(corner.high)};
-      }
-    }
+    for (std::size_t i = begin; i < end; ++i) boxes[i] = element_box(i);
   });
+  return boxes;
 }
 
 }  // namespace volccd::distributed::detail

@@ -26,18 +26,22 @@ class Home {
   const IdTable& own() const { return own_; }
   /// The ids of the vertices of the elements, ascending.
   const std::vector<std::int64_t>& used() const { return used_; }
-  /// The position of elements().vertices[i] in used(), its owner, and its box (make_boxes).
+  /// The position of elements().vertices[i] in used(), and its owner.
   Index corner(std::size_t i) const { return corners_[i]; }
   int owner(std::size_t i) const { return owners_[corners_[i]]; }
-  const MotionBox& box(std::size_t i) const { return vertex_boxes_[corners_[i]]; }
   /// Which ranks have elements at the vertices of this rank: positions in vertices(), and ranks.
   std::vector<std::pair<Index, int>> users() const { return import_.receivers(); }
 
   /// The motion of the vertices of the elements. Collective.
   void update(const Motion& own) { import_.update(own); }
-  /// Sets `boxes` to the swept boxes of the elements in the motion of the last update, enlarged by half the separation,
-  /// and those of the vertices.
-  void make_boxes(double separation, Executor& executor, std::vector<MotionBox>& boxes);
+  /// Computes the swept boxes of the vertices in the motion of the last update, enlarged by half the separation.
+  void make_boxes(double separation, Executor& executor);
+  /// Of used(); as make_boxes() left them, here and below.
+  const std::vector<MotionBox>& vertex_boxes() const { return vertex_boxes_; }
+  /// The box of elements().vertices[i], and that of element i.
+  const MotionBox& corner_box(std::size_t i) const { return vertex_boxes_[corners_[i]]; }
+  MotionBox element_box(std::size_t i) const;
+  std::vector<MotionBox> element_boxes(Executor& executor) const;
   std::uint64_t bytes_received() const { return import_.bytes_received(); }
 
  private:

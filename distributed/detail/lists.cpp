@@ -21,11 +21,26 @@ constexpr double kMax = std::numeric_limits<double>::max();
 /// Finite, although a bound that a separation enlarges may be infinite.
 Vec3 centre(const MotionBox& box) { return box.low.cwiseMax(-kMax) / 2 + box.high.cwiseMin(kMax) / 2; }
 
-/// The box that is greater by the part `skin` of its longest side on each side. Contains the box.
-MotionBox with_skin(const MotionBox& box, double skin) {
-  if (skin == 0) return box;
-  const double width = std::min(kMax, skin * (box.high - box.low).maxCoeff());
-  return {box.low.array() - width, box.high.array() + width};
+/// How much greater a box is on each side with a skin, the part `skin` of its longest side.
+double skin_width(const MotionBox& box, double skin) {
+  return skin == 0 ? 0 : std::min(kMax, skin * (box.high - box.low).maxCoeff());
+}
+
+/// The box that is greater by `width` on each side, and contains the box. Monotone, so that the box of an element with
+/// a skin is the common box of its vertices' boxes with this skin.
+MotionBox with_skin(const MotionBox& box, double width) {
+  return width == 0 ? box : MotionBox{box.low.array() - width, box.high.array() + width};
+}
+
+/// The boxes inside a region.
+MotionBox inside(const Region& region) {
+  MotionBox box{region.low, region.high};
+  for (int i = 0; i < 3; ++i) box.high[i] = std::nextafter(region.high[i], -std::numeric_limits<double>::infinity());
+  return box;
+}
+
+bool contains(const MotionBox& outer, const MotionBox& box) {
+  return (outer.low.array() <= box.low.array()).all() && (box.high.array() <= outer.high.array()).all();
 }
 
 /// Appends an element to a message. is_complete(k): whether the receiver has all elements at elements.vertices[k].
@@ -131,30 +146,50 @@ Regions divide(Exchange& exchange, std::span<const MotionBox> boxes, const Regio
   return Regions(points, weights, exchange.size());
 }
 
-Targets::Targets(std::span<const MotionBox> boxes, double skin, const Regions& regions) {
+Targets::Targets(const Home& home, std::span<const MotionBox> boxes, double skin, const Regions& regions)
+    : limits_(home.used().size(), inside({})) {
+  const Elements& elements = home.elements();
   begins_.reserve(boxes.size() + 1);
   ranks_.reserve(boxes.size());
-  for (const MotionBox& box : boxes) {
-    regions.meeting(with_skin(box, skin), [&](int r) { ranks_.push_back(r); });
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const double width = skin_width(boxes[i], skin);
+    regions.meeting(with_skin(boxes[i], width), [&](int r) { ranks_.push_back(r); });
     begins_.push_back(ranks_.size());
+    const std::span<const int> ranks = (*this)[i];
+    for (std::size_t k = elements.offsets[i]; k < elements.offsets[i + 1]; ++k) {
+      const MotionBox limit =
+          ranks.size() == 1 ? inside(regions.region(ranks[0])) : with_skin(home.corner_box(k), width);
+      MotionBox& limits = limits_[home.corner(k)];
+      limits = {limits.low.cwiseMax(limit.low), limits.high.cwiseMin(limit.high)};
+    }
   }
 }
 
-bool Targets::cover(std::span<const MotionBox> boxes, const Regions& regions) const {
+bool Targets::within_limits(const Home& home) const {
+  const std::vector<MotionBox>& boxes = home.vertex_boxes();
+  for (std::size_t v = 0; v < boxes.size(); ++v)
+    if (!contains(limits_[v], boxes[v])) return false;
+  return true;
+}
+
+bool Targets::cover(const Home& home, const Regions& regions) const {
+  if (within_limits(home)) return true;
   bool covered = true;
-  for (std::size_t i = 0; covered && i < boxes.size(); ++i) {
+  for (std::size_t i = 0; covered && i < size(); ++i) {
     const std::span<const int> ranks = (*this)[i];
-    if (regions.region(ranks[0]).contains(boxes[i])) continue;
-    regions.meeting(boxes[i], [&](int r) { covered = covered && std::ranges::find(ranks, r) != ranks.end(); });
+    const MotionBox box = home.element_box(i);
+    if (regions.region(ranks[0]).contains(box)) continue;
+    regions.meeting(box, [&](int r) { covered = covered && std::ranges::find(ranks, r) != ranks.end(); });
   }
   return covered;
 }
 
-bool Targets::too_many(std::span<const MotionBox> boxes, double skin, const Regions& regions) const {
+bool Targets::too_many(const Home& home, double skin, const Regions& regions) const {
   std::size_t present = 0, needed = 0;
-  for (std::size_t i = 0; i < boxes.size(); i += 1 + boxes.size() / 1024) {
+  for (std::size_t i = 0; i < size(); i += 1 + size() / 256) {
     present += (*this)[i].size();
-    regions.meeting(with_skin(boxes[i], skin), [&](int) { ++needed; });
+    const MotionBox box = home.element_box(i);
+    regions.meeting(with_skin(box, skin_width(box, skin)), [&](int) { ++needed; });
   }
   return present > needed + needed / 4;
 }
@@ -169,7 +204,7 @@ ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<cons
       const int rank_of_centre = regions.at(centre(boxes[i]));
       for (const int r : targets[i])
         put_element(by_rank[static_cast<std::size_t>(r)], home, i, r != rank_of_centre,
-                    [&](std::size_t k) { return regions.region(r).meets(home.box(k)); });
+                    [&](std::size_t k) { return regions.region(r).meets(home.corner_box(k)); });
     }
   }
   return exchange_elements(exchange, std::move(by_rank), seconds);

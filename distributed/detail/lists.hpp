@@ -16,26 +16,32 @@ namespace volccd::distributed::detail {
 Regions divide(Exchange& exchange, std::span<const MotionBox> boxes, const Regions& present,
                std::span<const double> density);
 
-/// For each box, in CSR form, the ranks whose regions meet the box that is greater by the part `skin` of its longest
-/// side on each side; ascending.
+/// For each element of a rank, in CSR form, the ranks whose regions meet its box when that is greater by the part
+/// `skin` of its longest side on each side; ascending.
 class Targets {
  public:
   Targets() = default;
-  Targets(std::span<const MotionBox> boxes, double skin, const Regions& regions);
+  /// `boxes`: those of the elements.
+  Targets(const Home& home, std::span<const MotionBox> boxes, double skin, const Regions& regions);
 
   std::size_t size() const { return begins_.size() - 1; }
   std::span<const int> operator[](std::size_t i) const {
     return std::span(ranks_).subspan(begins_[i], begins_[i + 1] - begins_[i]);
   }
-  /// Whether these boxes, in the same order, meet no other regions.
-  bool cover(std::span<const MotionBox> boxes, const Regions& regions) const;
-  /// Whether there are a quarter more ranks than Targets(boxes, skin, regions) would have, judged by 1024 boxes at
-  /// most.
-  bool too_many(std::span<const MotionBox> boxes, double skin, const Regions& regions) const;
+  /// Whether the elements, with their present boxes, meet no other regions. O(vertices) if no vertex has left its
+  /// limits.
+  bool cover(const Home& home, const Regions& regions) const;
+  /// Whether there are a quarter more ranks than new targets would have, judged by 256 elements at most.
+  bool too_many(const Home& home, double skin, const Regions& regions) const;
 
  private:
+  bool within_limits(const Home& home) const;
+
   std::vector<std::size_t> begins_{0};
   std::vector<int> ranks_;
+  /// By vertex of Home::used(): while the boxes of all vertices are within their limits, elements with one target are
+  /// in its region, and the others in the boxes for which the targets were found.
+  std::vector<MotionBox> limits_;
 };
 
 /// Sends each element to its targets. `boxes`: their centres tell which elements are copies. A vertex is complete on

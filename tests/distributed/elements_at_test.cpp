@@ -78,12 +78,12 @@ TEST(ElementsAt, VerticesAreCompleteOnlyWithAllElements) {
           for (int c = 0; c < 2; ++c) own.set(i, c, scene.motion.point(static_cast<Index>(v), c));
         }
         given.home.update(own);
-        std::vector<MotionBox> boxes;
-        given.home.make_boxes(0.01, serial_executor(), boxes);
+        given.home.make_boxes(0.01, serial_executor());
+        const std::vector<MotionBox> boxes = given.home.element_boxes(serial_executor());
         const Regions regions = detail::divide(exchange, boxes, {}, {});
         double seconds = 0;
-        const ReceivedElements found =
-            detail::distribute(exchange, given.home, boxes, detail::Targets(boxes, skin, regions), regions, seconds);
+        const ReceivedElements found = detail::distribute(
+            exchange, given.home, boxes, detail::Targets(given.home, boxes, skin, regions), regions, seconds);
         for (std::size_t i = 0; i < found.elements.vertices.size(); ++i) {
           const std::int64_t id = found.elements.vertices[i];
           const auto slot =

@@ -59,6 +59,36 @@ TEST(PieceMesh, HasItsElementsAndTheirVertices) {
   }
 }
 
+/// A piece that asks for more vertices than it has to learns which of them are complete, and keeps the elements at the
+/// others.
+TEST(PieceMesh, KeepsTheElementsAroundItsCut) {
+  for (const cases::Scene& scene : cases::small_scenes(3, 0.1)) {
+    const Topology& whole = scene.topology;
+    const Mesh& mesh = whole.mesh();
+    const Elements elements = every(1, mesh.element_slots() / 2, mesh), all = every(1, mesh.element_slots(), mesh);
+    PieceMesh piece;
+    piece.build({.elements = elements, .owners = owners_of(elements)}, {.elements = all, .owners = owners_of(all)}, {},
+                serial_executor());
+    const Piece part = piece.piece();
+    ASSERT_NE(part.around, nullptr) << scene.name;
+    const auto count = [](const Topology& topology, Index v) { return topology.features().vertex_elements(v).size(); };
+    std::size_t cut = 0;
+    for (Index v = 0; v < piece.vertex_ids().size(); ++v) {
+      const auto at = std::ranges::lower_bound(mesh.vertex_ids(), piece.vertex_ids()[v]) - mesh.vertex_ids().begin();
+      const std::size_t held = count(piece.topology(), v), of_mesh = count(whole, static_cast<Index>(at));
+      EXPECT_EQ(part.is_complete(v), held == of_mesh) << scene.name;
+      if (part.is_complete(v) || held == 0) continue;
+      EXPECT_EQ(count(*part.around, v), of_mesh) << scene.name;
+      ++cut;
+    }
+    EXPECT_GT(cut, 0u) << scene.name;
+    for (Index o = 0; o < part.around->mesh().element_slots(); ++o)
+      EXPECT_TRUE(std::ranges::any_of(part.around->mesh().vertices(o), [&](Index v) {
+        return !part.is_complete(v) && count(piece.topology(), v) > 0;
+      })) << scene.name;
+  }
+}
+
 TEST(PieceMesh, HoldsWholeGroupsOfVertices) {
   const cases::Scene scene = cases::colliding("cells", block(ElementType::hexahedron, 2, 2, 1), 1, 0);
   const Elements elements = every(3, 8, scene.topology.mesh());
