@@ -328,6 +328,7 @@ void Detector::State::run(const Request& request) {
 void Detector::State::take_result(const Request& request) {
   result.rank.elements = held;
   result.rank.copies = copies;
+  result.rank.halo = piece.halo();
   if (piece.empty()) return;
   const StepResult found = runner->take_result();
   result.statistics = found.statistics;

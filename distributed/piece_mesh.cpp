@@ -45,14 +45,18 @@ std::vector<OwnedVertex> vertices_of(std::initializer_list<const ReceivedElement
   return all;
 }
 
-/// Marks all vertices of the elements but those at which it lacks one of the elements around (`held`: the ids of those
-/// that it has, ascending).
-void mark_complete(const Elements& elements, const Elements& around, std::span<const std::int64_t> held,
-                   FunctionRef<Index(std::int64_t)> slot_of, std::vector<std::uint8_t>& complete) {
+/// Marks all vertices of the elements but those at which one of the elements around is not held (`held`: ids,
+/// ascending). Returns the number of those.
+std::uint64_t mark_complete(const Elements& elements, const Elements& around, std::span<const std::int64_t> held,
+                            FunctionRef<Index(std::int64_t)> slot_of, std::vector<std::uint8_t>& complete) {
   for (const std::int64_t id : elements.vertices) complete[slot_of(id)] = 1;
-  for (std::size_t i = 0; i < around.size(); ++i)
-    if (!std::ranges::binary_search(held, around.ids[i]))
-      for (const std::int64_t id : around.vertices_of(i)) complete[slot_of(id)] = 0;
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    if (std::ranges::binary_search(held, around.ids[i])) continue;
+    for (const std::int64_t id : around.vertices_of(i)) complete[slot_of(id)] = 0;
+    ++count;
+  }
+  return count;
 }
 
 }  // namespace
@@ -90,7 +94,7 @@ void PieceMesh::build(const ReceivedElements& received, const ReceivedElements& 
   for (std::size_t i = 0; i < received.complete.size(); ++i)
     if (received.complete[i] != 0) complete_[slot_of(received.elements.vertices[i])] = 1;
   if (around.elements.size() > 0) {
-    mark_complete(received.elements, around.elements, held, slot_of, complete_);
+    halo_ = mark_complete(received.elements, around.elements, held, slot_of, complete_);
     const auto is_cut = [&](std::int64_t id) {
       const Index v = slot_of(id);
       return complete_[v] == 0 && !topology_->features().vertex_elements(v).empty();

@@ -45,13 +45,15 @@ class PieceMesh {
   void build(const ReceivedElements& received, const ReceivedElements& around, const Config& config,
              Executor& executor);
   /// The piece serves for no elements.
-  void clear() { topology_.reset(), around_.reset(), ids_.clear(), owners_.clear(), complete_.clear(); }
+  void clear() { *this = {}; }
 
   bool empty() const { return ids_.empty(); }
   /// Pre, here and below: not empty.
   const Topology& topology() const { return *topology_; }
   /// As a part of the mesh, all of space; valid as long as the piece.
   Piece piece() const { return {.complete = complete_, .around = around_ ? &*around_ : nullptr}; }
+  /// Number of elements in Piece::around that the piece itself does not have; 0 for an empty piece.
+  std::uint64_t halo() const { return halo_; }
   /// Ids of the vertices, ascending, and the owner of each: kNoRank for one that completes a group, if no element uses
   /// it.
   std::span<const std::int64_t> vertex_ids() const;
@@ -65,6 +67,7 @@ class PieceMesh {
   std::vector<int> owners_;             ///< by vertex slot
   std::vector<std::uint8_t> complete_;  ///< by vertex slot
   std::optional<Topology> topology_, around_;
+  std::uint64_t halo_ = 0;
 };
 
 }  // namespace volccd::distributed

@@ -44,6 +44,7 @@ std::vector<RankContact> contacts_of(const Bytes& bytes) {
 RankStatistics& RankStatistics::operator+=(const RankStatistics& other) {
   elements += other.elements;
   copies += other.copies;
+  halo += other.halo;
   tests += other.tests;
   contacts += other.contacts;
   seconds += other.seconds;

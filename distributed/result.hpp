@@ -41,6 +41,7 @@ std::vector<RankContact> contacts_of(const Bytes& bytes);
 struct RankStatistics {
   std::uint64_t elements = 0;        ///< elements that it held
   std::uint64_t copies = 0;          ///< those among them whose centre was in the region of another rank
+  std::uint64_t halo = 0;            ///< elements around its piece, of which it classifies stars alone
   std::uint64_t tests = 0;           ///< elementary tests that it performed
   std::uint64_t contacts = 0;        ///< contacts that it found, all of which are its own
   double seconds = 0;                ///< wall-clock time of its pipeline

@@ -16,6 +16,7 @@ std::vector<std::string> row_of(const std::string& title, const distributed::Ran
   return {title,
           grouped(rank.elements),
           grouped(rank.copies),
+          grouped(rank.halo),
           grouped(rank.tests),
           grouped(rank.contacts),
           fmt::format("{:.2f}", 1e3 * rank.seconds),
@@ -27,8 +28,8 @@ std::vector<std::string> row_of(const std::string& title, const distributed::Ran
 }  // namespace
 
 std::string rank_table(std::span<const distributed::RankStatistics> ranks, std::uint64_t elements, std::size_t width) {
-  TextTable table(
-      {"rank", "elements", "copies", "tests", "contacts", "time [ms]", "pieces [ms]", "bytes received", "neighbours"});
+  TextTable table({"rank", "elements", "copies", "halo", "tests", "contacts", "time [ms]", "pieces [ms]",
+                   "bytes received", "neighbours"});
   distributed::RankStatistics all;
   double slowest = 0;
   for (std::size_t r = 0; r < ranks.size(); ++r) {
@@ -49,6 +50,7 @@ nlohmann::json rank_json(std::span<const distributed::RankStatistics> ranks) {
   for (const distributed::RankStatistics& rank : ranks)
     rows.push_back({{"elements", rank.elements},
                     {"copies", rank.copies},
+                    {"halo", rank.halo},
                     {"tests", rank.tests},
                     {"contacts", rank.contacts},
                     {"seconds", rank.seconds},

@@ -109,6 +109,7 @@ json columns_of_ranks(std::span<const distributed::RankStatistics> ranks, std::s
           {"pipeline_sum_s", all.seconds},
           {"imbalance", all.seconds > 0 ? pipeline * n / all.seconds : 1},
           {"copies", static_cast<double>(all.elements) / static_cast<double>(elements)},
+          {"halo", static_cast<double>(all.halo) / static_cast<double>(elements)},
           {"tests", all.tests},
           {"bytes_max", bytes},
           {"bytes_mean", static_cast<double>(all.bytes_received) / n},
@@ -243,8 +244,8 @@ std::vector<TitledTable> ranks_tables(const json& record) {
   TextTable times({"scene", "motion", "elements", "ranks", "whole, ms", "slowest, ms", "whole / slowest", "all / whole",
                    "model, ms"},
                   4);
-  TextTable pieces({"scene", "motion", "elements", "ranks", "copies", "imbalance", "tests / whole", "neighbours",
-                    "KB mean", "KB most"},
+  TextTable pieces({"scene", "motion", "elements", "ranks", "copies", "halo", "imbalance", "tests / whole",
+                    "neighbours", "KB mean", "KB most"},
                    4);
   for_each_rank_line(Rows(record), [&](const RankLine& line) {
     const json& first = line.rows.front();
@@ -257,7 +258,7 @@ std::vector<TitledTable> ranks_tables(const json& record) {
     };
     add(times, {number_text(1e3 * line.of("whole_s")), number_text(1e3 * line.of("slowest_s")),
                 ratio_text(line.speedup()), fixed_text(line.overhead(), 2), number_text(1e3 * line.modelled_s())});
-    add(pieces, {fixed_text(line.of("copies"), 2), fixed_text(line.of("imbalance"), 2),
+    add(pieces, {fixed_text(line.of("copies"), 2), fixed_text(line.of("halo"), 2), fixed_text(line.of("imbalance"), 2),
                  fixed_text(line.test_ratio(), 2), number_text(line.of("neighbours_max")),
                  number_text(line.of("bytes_mean") / 1e3), number_text(line.of("bytes_max") / 1e3)});
   });
@@ -271,7 +272,8 @@ std::vector<TitledTable> ranks_tables(const json& record) {
            "exchanges with the neighbours, {} reductions, and the bytes of the rank that receives most\n",
            kRankRounds, kRankWarmUps, 1e6 * kLatency, kBandwidth / 1e9, kExchanges, kReductions)},
       {"Ranks: pieces and messages", pieces,
-       "copies: elements of all ranks over those of the mesh; imbalance: slowest pipeline over the mean; "
+       "copies: elements of all ranks over those of the mesh; halo: those around the pieces, whose stars alone are "
+       "classified; imbalance: slowest pipeline over the mean; "
        "neighbours: most that one rank receives positions from; KB: received by a rank, elements included where "
        "lists are made\n"}};
 }

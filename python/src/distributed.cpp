@@ -206,9 +206,10 @@ class RankDetector {
  private:
   static py::dict rank_dict(const distributed::RankStatistics& rank) {
     using namespace pybind11::literals;
-    return py::dict("elements"_a = rank.elements, "copies"_a = rank.copies, "tests"_a = rank.tests,
-                    "contacts"_a = rank.contacts, "seconds"_a = rank.seconds, "piece_seconds"_a = rank.piece_seconds,
-                    "lists"_a = rank.lists, "bytes_received"_a = rank.bytes_received, "neighbours"_a = rank.neighbours);
+    return py::dict("elements"_a = rank.elements, "copies"_a = rank.copies, "halo"_a = rank.halo,
+                    "tests"_a = rank.tests, "contacts"_a = rank.contacts, "seconds"_a = rank.seconds,
+                    "piece_seconds"_a = rank.piece_seconds, "lists"_a = rank.lists,
+                    "bytes_received"_a = rank.bytes_received, "neighbours"_a = rank.neighbours);
   }
 
   PythonExchange exchange_;

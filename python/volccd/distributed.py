@@ -98,7 +98,7 @@ class Result:
     contacts: np.ndarray          #: structured (n,), `volccd.distributed.contact_dtype`, in canonical order
     initial_overlaps: np.ndarray  #: int64 (n, 2): ids of elements that overlap at t = 0, if they were asked for
     statistics: dict              #: of the pipeline on this rank's part of the mesh, as `volccd.Result.statistics`
-    rank: dict  #: elements, copies, tests, contacts, seconds, piece_seconds, lists, bytes_received, neighbours
+    rank: dict  #: elements, copies, halo, tests, contacts, seconds, piece_seconds, lists, bytes_received, neighbours
 
     def __len__(self):
         return len(self.contacts)
