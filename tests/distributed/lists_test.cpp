@@ -1,7 +1,8 @@
-// Which elements a rank receives at vertices that it asks for, and which vertices it knows to be complete.
+// Which elements a rank receives, which vertices it knows to be complete, and how long its lists hold.
 #include <volccd/distributed/detail/lists.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -62,6 +63,19 @@ TEST(ElementsAt, AreAllThatHaveTheVertices) {
   }
 }
 
+/// The motion of a rank's vertices: those of the scene, displaced by up to `amount`.
+Motion motion_of(const Home& given, const cases::Scene& scene, double amount, std::uint64_t seed) {
+  Random random(seed);
+  Motion own(static_cast<Index>(given.home.vertices().size()), 2);
+  for (Index i = 0; i < own.vertex_count(); ++i) {
+    const auto ids = scene.topology.mesh().vertex_ids();
+    const auto v = static_cast<Index>(std::ranges::lower_bound(ids, given.home.vertices()[i]) - ids.begin());
+    const Vec3 by = amount * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    for (int c = 0; c < 2; ++c) own.set(i, c, scene.motion.point(v, c) + by);
+  }
+  return own;
+}
+
 /// A vertex that a rank takes for complete has all its elements there, with any skin; some vertices are not complete.
 TEST(ElementsAt, VerticesAreCompleteOnlyWithAllElements) {
   for (const cases::Scene& scene : cases::small_scenes(5, 0.05))
@@ -71,19 +85,13 @@ TEST(ElementsAt, VerticesAreCompleteOnlyWithAllElements) {
       std::size_t complete = 0, cut = 0;
       InProcessRanks(4).run([&](Exchange& exchange) {
         Home given(exchange, mesh);
-        Motion own(static_cast<Index>(given.home.vertices().size()), 2);
-        for (Index i = 0; i < own.vertex_count(); ++i) {
-          const auto ids = mesh.vertex_ids();
-          const auto v = std::ranges::lower_bound(ids, given.home.vertices()[i]) - ids.begin();
-          for (int c = 0; c < 2; ++c) own.set(i, c, scene.motion.point(static_cast<Index>(v), c));
-        }
-        given.home.update(own);
+        given.home.update(motion_of(given, scene, 0, 1));
         given.home.make_boxes(0.01, serial_executor());
         const std::vector<MotionBox> boxes = given.home.element_boxes(serial_executor());
         const Regions regions = detail::divide(exchange, boxes, {}, {});
+        const detail::Targets targets(given.home, boxes, skin, regions);
         double seconds = 0;
-        const ReceivedElements found = detail::distribute(
-            exchange, given.home, boxes, detail::Targets(given.home, boxes, skin, regions), regions, seconds);
+        const ReceivedElements found = detail::distribute(exchange, given.home, boxes, targets, regions, seconds);
         for (std::size_t i = 0; i < found.elements.vertices.size(); ++i) {
           const std::int64_t id = found.elements.vertices[i];
           const auto slot =
@@ -97,6 +105,34 @@ TEST(ElementsAt, VerticesAreCompleteOnlyWithAllElements) {
       EXPECT_GT(complete, 10u) << scene.name;
       EXPECT_GT(cut, 0u) << scene.name;
     }
+}
+
+/// Lists hold exactly while no box meets another region, whether vertices are within their limits or not.
+TEST(Targets, CoverBoxesThatMeetTheSameRegions) {
+  std::size_t covered = 0, left = 0;
+  for (const cases::Scene& scene : cases::small_scenes(5, 0.05))
+    for (const double skin : {0.0, 0.1, 0.3})
+      InProcessRanks(4).run([&](Exchange& exchange) {
+        Home given(exchange, scene.topology.mesh());
+        given.home.update(motion_of(given, scene, 0, 1));
+        given.home.make_boxes(0.01, serial_executor());
+        const std::vector<MotionBox> boxes = given.home.element_boxes(serial_executor());
+        const Regions regions = detail::divide(exchange, boxes, {}, {});
+        const detail::Targets targets(given.home, boxes, skin, regions);
+        for (std::uint64_t k = 0; k < 60; ++k) {
+          given.home.update(motion_of(given, scene, k == 0 ? 0 : std::exp2(-static_cast<double>(k % 8)), k));
+          given.home.make_boxes(0.01, serial_executor());
+          bool expected = true;
+          for (std::size_t i = 0; i < targets.size(); ++i)
+            regions.meeting(given.home.element_box(i), [&](int r) {
+              expected = expected && std::ranges::find(targets[i], r) != targets[i].end();
+            });
+          EXPECT_EQ(targets.cover(given.home, regions), expected) << scene.name << ", skin " << skin << ", " << k;
+          ++(expected ? covered : left);
+        }
+      });
+  EXPECT_GT(covered, 500u);
+  EXPECT_GT(left, 500u);
 }
 
 }  // namespace
