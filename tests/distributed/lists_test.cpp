@@ -63,15 +63,17 @@ TEST(ElementsAt, AreAllThatHaveTheVertices) {
   }
 }
 
-/// The motion of a rank's vertices: those of the scene, displaced by up to `amount`.
+/// The motion of a rank's vertices: those of the scene, of which one or all are displaced by up to `amount`.
 Motion motion_of(const Home& given, const cases::Scene& scene, double amount, std::uint64_t seed) {
   Random random(seed);
+  const bool all = random.below(2) == 0;
+  const Index one = static_cast<Index>(random.below(given.home.vertices().size()));
   Motion own(static_cast<Index>(given.home.vertices().size()), 2);
   for (Index i = 0; i < own.vertex_count(); ++i) {
     const auto ids = scene.topology.mesh().vertex_ids();
     const auto v = static_cast<Index>(std::ranges::lower_bound(ids, given.home.vertices()[i]) - ids.begin());
     const Vec3 by = amount * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
-    for (int c = 0; c < 2; ++c) own.set(i, c, scene.motion.point(v, c) + by);
+    for (int c = 0; c < 2; ++c) own.set(i, c, scene.motion.point(v, c) + (all || i == one ? by : Vec3(0, 0, 0)));
   }
   return own;
 }
