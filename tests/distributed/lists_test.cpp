@@ -63,17 +63,18 @@ TEST(ElementsAt, AreAllThatHaveTheVertices) {
   }
 }
 
-/// The motion of a rank's vertices: those of the scene, of which one or all are displaced by up to `amount`.
+/// The motion of a rank's vertices: those of the scene, of which one (of all ranks) or all are displaced by up to
+/// `amount`.
 Motion motion_of(const Home& given, const cases::Scene& scene, double amount, std::uint64_t seed) {
   Random random(seed);
   const bool all = random.below(2) == 0;
-  const Index one = static_cast<Index>(random.below(given.home.vertices().size()));
+  const Index one = static_cast<Index>(random.below(scene.topology.mesh().vertex_count()));
   Motion own(static_cast<Index>(given.home.vertices().size()), 2);
   for (Index i = 0; i < own.vertex_count(); ++i) {
     const auto ids = scene.topology.mesh().vertex_ids();
     const auto v = static_cast<Index>(std::ranges::lower_bound(ids, given.home.vertices()[i]) - ids.begin());
     const Vec3 by = amount * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
-    for (int c = 0; c < 2; ++c) own.set(i, c, scene.motion.point(v, c) + (all || i == one ? by : Vec3(0, 0, 0)));
+    for (int c = 0; c < 2; ++c) own.set(i, c, scene.motion.point(v, c) + (all || v == one ? by : Vec3(0, 0, 0)));
   }
   return own;
 }
@@ -112,16 +113,17 @@ TEST(ElementsAt, VerticesAreCompleteOnlyWithAllElements) {
 /// Lists hold exactly while no box meets another region, whether vertices are within their limits or not.
 TEST(Targets, CoverBoxesThatMeetTheSameRegions) {
   std::size_t covered = 0, left = 0;
-  for (const cases::Scene& scene : cases::small_scenes(5, 0.05))
-    for (const double skin : {0.0, 0.1, 0.3})
-      InProcessRanks(4).run([&](Exchange& exchange) {
+  for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron})
+    for (const double skin : {0.0, 0.1, 0.3}) {
+      const cases::Scene scene = cases::colliding(to_string(type), block(type, 4, 3, 3), 5, 0.05);
+      InProcessRanks(6).run([&](Exchange& exchange) {
         Home given(exchange, scene.topology.mesh());
         given.home.update(motion_of(given, scene, 0, 1));
         given.home.make_boxes(0.01, serial_executor());
         const std::vector<MotionBox> boxes = given.home.element_boxes(serial_executor());
         const Regions regions = detail::divide(exchange, boxes, {}, {});
         const detail::Targets targets(given.home, boxes, skin, regions);
-        for (std::uint64_t k = 0; k < 60; ++k) {
+        for (std::uint64_t k = 0; k < 200; ++k) {
           given.home.update(motion_of(given, scene, k == 0 ? 0 : std::exp2(-static_cast<double>(k % 8)), k));
           given.home.make_boxes(0.01, serial_executor());
           bool expected = true;
@@ -133,6 +135,7 @@ TEST(Targets, CoverBoxesThatMeetTheSameRegions) {
           ++(expected ? covered : left);
         }
       });
+    }
   EXPECT_GT(covered, 500u);
   EXPECT_GT(left, 500u);
 }
