@@ -300,17 +300,17 @@ void Detector::State::make_piece(const ReceivedElements& received) {
                const StageTimer timer(clock, seconds);
                serves = piece.serves(received.elements, piece_config);
                changed = serves ? 0 : 1;
-               if (!serves && runner->pipeline().uses_surroundings()) find_cut(received, cut, owners);
+               if (!serves && runner->pipeline().uses_cut_stars()) find_cut(received, cut, owners);
              },
              {&changed, 1});
   if (changed == 0 && import_made) return;
   import_made = false;
-  const ReceivedElements around = detail::elements_at(exchange, *home, cut, owners, seconds);
-  result.rank.bytes_received += around.bytes;
+  const ReceivedElements stars = detail::elements_at(exchange, *home, cut, owners, seconds);
+  result.rank.bytes_received += stars.bytes;
   run_on_all(exchange, "step", [&] {
     StageClock clock;
     const StageTimer timer(clock, seconds);
-    if (!serves) piece.build(received, around, piece_config, executor);
+    if (!serves) piece.build(received, stars, piece_config, executor);
   });
   const std::span<const std::int64_t> wanted = piece.empty() ? std::span<const std::int64_t>() : piece.vertex_ids();
   import = detail::VertexImport(exchange, wanted, piece.owners(), home->own());

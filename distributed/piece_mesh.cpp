@@ -45,15 +45,15 @@ std::vector<OwnedVertex> vertices_of(std::initializer_list<const ReceivedElement
   return all;
 }
 
-/// Marks all vertices of the elements but those at which one of the elements around is not held (`held`: ids,
+/// Marks all vertices of the elements but those at which an element of their stars is not held (`held`: ids,
 /// ascending). Returns the number of those.
-std::uint64_t mark_complete(const Elements& elements, const Elements& around, std::span<const std::int64_t> held,
+std::uint64_t mark_complete(const Elements& elements, const Elements& stars, std::span<const std::int64_t> held,
                             FunctionRef<Index(std::int64_t)> slot_of, std::vector<std::uint8_t>& complete) {
   for (const std::int64_t id : elements.vertices) complete[slot_of(id)] = 1;
   std::uint64_t count = 0;
-  for (std::size_t i = 0; i < around.size(); ++i) {
-    if (std::ranges::binary_search(held, around.ids[i])) continue;
-    for (const std::int64_t id : around.vertices_of(i)) complete[slot_of(id)] = 0;
+  for (std::size_t i = 0; i < stars.size(); ++i) {
+    if (std::ranges::binary_search(held, stars.ids[i])) continue;
+    for (const std::int64_t id : stars.vertices_of(i)) complete[slot_of(id)] = 0;
     ++count;
   }
   return count;
@@ -68,14 +68,14 @@ bool PieceMesh::serves(const Elements& elements, const Config& config) const {
          ids.empty() == ids_.empty();
 }
 
-void PieceMesh::build(const ReceivedElements& received, const ReceivedElements& around, const Config& config,
+void PieceMesh::build(const ReceivedElements& received, const ReceivedElements& stars, const Config& config,
                       Executor& executor) {
   clear();  // if the rest throws, the piece serves for no elements
   config_ = config;
   if (received.elements.size() == 0) return;
   std::vector<std::int64_t> ids, held = received.elements.ids;
   std::ranges::sort(held);
-  for (const auto& [id, owner] : vertices_of({&received, &around}, config.vertex_group)) {
+  for (const auto& [id, owner] : vertices_of({&received, &stars}, config.vertex_group)) {
     ids.push_back(id);
     owners_.push_back(owner);
   }
@@ -93,15 +93,15 @@ void PieceMesh::build(const ReceivedElements& received, const ReceivedElements& 
   complete_.assign(ids.size(), 0);
   for (std::size_t i = 0; i < received.complete.size(); ++i)
     if (received.complete[i] != 0) complete_[slot_of(received.elements.vertices[i])] = 1;
-  if (around.elements.size() > 0) {
-    halo_ = mark_complete(received.elements, around.elements, held, slot_of, complete_);
+  if (stars.elements.size() > 0) {
+    halo_ = mark_complete(received.elements, stars.elements, held, slot_of, complete_);
     const auto is_cut = [&](std::int64_t id) {
       const Index v = slot_of(id);
       return complete_[v] == 0 && !topology_->features().vertex_elements(v).empty();
     };
-    Mesh others = mesh_of(around.elements,
-                          [&](std::size_t i) { return std::ranges::any_of(around.elements.vertices_of(i), is_cut); });
-    if (others.element_count() > 0) around_.emplace(std::move(others), executor, config.edge_set);
+    Mesh others = mesh_of(stars.elements,
+                          [&](std::size_t i) { return std::ranges::any_of(stars.elements.vertices_of(i), is_cut); });
+    if (others.element_count() > 0) cut_stars_.emplace(std::move(others), executor, config.edge_set);
   }
   ids_ = std::move(held);
 }

@@ -18,7 +18,7 @@ enum class PairRange {
 };
 
 /// What a topology is a part of, where several ranks divide a mesh (docs/distributed.md). By default it is the whole
-/// mesh, and contacts are asked for in all of space. Stages may ignore all of it: contacts do not depend on it.
+/// mesh, and contacts are asked for in all of space. Stages may ignore all of it.
 struct Piece {
   /// By vertex: not 0 only if the topology has all elements of the mesh at the vertex. Empty: it has all of them. A
   /// stage that leaves a step to others because of a share of the elements or vertices takes that share of complete
@@ -27,7 +27,7 @@ struct Piece {
   /// Not null: all elements of the mesh at the vertices that are not complete but have an element of the topology, so
   /// that their stars can be classified as in the mesh (docs/clear_stars.md). Vertices have the slots of the topology,
   /// which also has those of these elements. Changes only together with `complete`.
-  const Topology* around = nullptr;
+  const Topology* cut_stars = nullptr;
   /// Contacts whose features have their reference point outside need not be found: a stage may drop these tests. All of
   /// space where candidates are collected, which serve other motions.
   Region region = {};

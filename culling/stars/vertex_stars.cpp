@@ -209,14 +209,14 @@ void VertexStars::classify(const Step& step, Executor& executor, IsJudged&& is_j
 
 void VertexStars::update(const Step& step, Executor& executor) {
   const Piece& piece = step.piece;
-  classify(step, executor, [&](Index v) { return !piece.around || piece.is_complete(v); });
-  if (piece.around) {
-    if (!around_) around_ = std::make_unique<VertexStars>();
+  classify(step, executor, [&](Index v) { return !piece.cut_stars || piece.is_complete(v); });
+  if (piece.cut_stars) {
+    if (!cut_stars_) cut_stars_ = std::make_unique<VertexStars>();
     const Step all{
-        .topology = *piece.around, .motion = step.motion, .filter = step.filter, .separation = step.separation};
-    around_->classify(all, executor,
-                      [&](Index v) { return !piece.is_complete(v) && table_.kind(v) != StarKind::unused; });
-    for (std::size_t v = 0; v < suspect_.size(); ++v) suspect_[v] |= around_->suspect_[v];
+        .topology = *piece.cut_stars, .motion = step.motion, .filter = step.filter, .separation = step.separation};
+    cut_stars_->classify(all, executor,
+                         [&](Index v) { return !piece.is_complete(v) && table_.kind(v) != StarKind::unused; });
+    for (std::size_t v = 0; v < suspect_.size(); ++v) suspect_[v] |= cut_stars_->suspect_[v];
   }
   suspects_.clear();
   for (Index v = 0; v < suspect_.size(); ++v)

@@ -26,8 +26,8 @@ namespace volccd::detail {
 /// throughout both steps and, if the next step does not begin at the positions where the last one ended, throughout the
 /// straight motion between them.
 ///
-/// Where the step has a Piece::around, a star that is not complete is classified as it is there, with all elements of
-/// the mesh, and what is proven holds for its part in the topology as well. Not thread-safe; uses the executor.
+/// Where the step has a Piece::cut_stars, a star that is not complete is classified as it is there, with all elements
+/// of the mesh, and what is proven holds for its part in the topology as well. Not thread-safe; uses the executor.
 class VertexStars {
  public:
   /// Classifies the stars of the step's topology. O(elements).
@@ -46,7 +46,7 @@ class VertexStars {
   std::size_t bytes() const {
     return heap_bytes(table_, rings_, judged_, folds_, suspect_, known_, all_positive_, signs_, gap_signs_, scratch_,
                       last_, gap_, suspects_) +
-           (around_ ? sizeof *around_ + around_->bytes() : 0);
+           (cut_stars_ ? sizeof *cut_stars_ + cut_stars_->bytes() : 0);
   }
 
  private:
@@ -76,8 +76,8 @@ class VertexStars {
   std::vector<Vec3> last_;                     ///< by vertex: where the last step ended
   Motion gap_;                                 ///< the straight motion from the last step to this one
   std::vector<Index> suspects_;
-  bool complete_ = false;                ///< whether the last update has ended
-  std::unique_ptr<VertexStars> around_;  ///< of Piece::around, for the stars that are not complete; null without
+  bool complete_ = false;                   ///< whether the last update has ended
+  std::unique_ptr<VertexStars> cut_stars_;  ///< of Piece::cut_stars, for the stars that are not complete; null without
 };
 
 }  // namespace volccd::detail

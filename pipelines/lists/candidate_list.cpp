@@ -43,7 +43,7 @@ bool CandidateList::build(const Pipeline& pipeline, const Step& step, Workspace&
                    .motion = prediction_.lines(),
                    .filter = step.filter,
                    .separation = separation(step.separation, budget),
-                   .piece = {.complete = step.piece.complete, .around = step.piece.around}};
+                   .piece = {.complete = step.piece.complete, .cut_stars = step.piece.cut_stars}};
   StepResult result;
   pipeline.run(ahead, workspace, executor, result, {.count_adjacent = false, .candidates = &tests_});
   refreshed_ = 0;

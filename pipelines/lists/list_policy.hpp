@@ -32,7 +32,7 @@ class ListPolicy {
   /// The motion of the present step.
   struct Motion {
     double length;    ///< the longest way of a vertex
-    double distance;  ///< how far the last `steps` steps were from going on as before them; infinite if that is unknown
+    double distance;  ///< of vertices from where they were expected `steps` steps ago; infinite if nothing was expected
     double steps;     ///< >= 1
     double edge;      ///< a typical length of an edge
   };

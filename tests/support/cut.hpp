@@ -1,4 +1,4 @@
-// A part of a mesh, with the elements around it.
+// A part of a mesh, with the stars at its cut.
 #pragma once
 
 #include <algorithm>
@@ -27,15 +27,15 @@ struct Cut {
     for (Index o = 0; o < mesh.element_slots(); ++o)
       if (mesh.is_live(o) && std::ranges::none_of(mesh.vertices(o), is_cut)) others.removed.push_back(o);
     if (others.removed.size() == mesh.element_count()) return;
-    around.emplace(mesh, whole.features().edge_set());
-    around->apply(others);
+    cut_stars.emplace(mesh, whole.features().edge_set());
+    cut_stars->apply(others);
   }
 
-  Piece piece() const { return {.complete = complete, .around = around ? &*around : nullptr}; }
+  Piece piece() const { return {.complete = complete, .cut_stars = cut_stars ? &*cut_stars : nullptr}; }
 
   Topology topology;
   std::vector<std::uint8_t> complete;
-  std::optional<Topology> around;
+  std::optional<Topology> cut_stars;
 };
 
 }  // namespace volccd::test
