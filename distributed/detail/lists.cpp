@@ -89,36 +89,41 @@ ReceivedElements exchange_elements(Exchange& exchange, std::vector<Bytes> by_ran
   return result;
 }
 
-/// A vertex, by its position in a list or its id, and a rank that asks for its elements.
-template <class T>
-struct Asked {
-  T vertex;
+/// A rank that asks for the elements at a vertex, which is given by its position in a list.
+struct Question {
+  Index vertex;
   int rank;
 
-  friend auto operator<=>(const Asked&, const Asked&) = default;
+  friend auto operator<=>(const Question&, const Question&) = default;
 };
 
+std::span<const Question> about(const std::vector<Question>& sorted, Index vertex) {
+  return std::span(std::ranges::equal_range(sorted, vertex, {}, &Question::vertex));
+}
+
 /// Passes the questions of all ranks on to the ranks whose elements have the vertices. Returns those to this rank, with
-/// positions of Home::used().
-std::vector<Asked<Index>> ask(Exchange& exchange, const Home& home, std::span<const std::int64_t> ids,
-                              std::span<const int> owners) {
+/// positions of Home::used(), ascending.
+std::vector<Question> ask(Exchange& exchange, const Home& home, std::span<const std::int64_t> ids,
+                          std::span<const int> owners) {
   std::vector<Bytes> to_owners(static_cast<std::size_t>(exchange.size())), to_users(to_owners.size());
   for (std::size_t i = 0; i < ids.size(); ++i) put(to_owners[static_cast<std::size_t>(owners[i])], ids[i]);
-  std::vector<Asked<Index>> questions;  // with positions in home.vertices()
+  std::vector<Question> to_owner, to_user;
   for (const auto& [source, bytes] : send_to_ranks(exchange, std::move(to_owners)))
-    for (const std::int64_t id : values_of<std::int64_t>(bytes)) questions.push_back({home.own().find(id), source});
-  std::ranges::sort(questions);
-  for (const auto& [vertex, user] : home.users()) {
-    const auto [begin, end] = std::ranges::equal_range(questions, vertex, {}, &Asked<Index>::vertex);
-    for (auto at = begin; at != end; ++at)
-      put(to_users[static_cast<std::size_t>(user)], Asked<std::int64_t>{home.vertices()[vertex], at->rank});
-  }
-  questions.clear();
+    for (const std::int64_t id : values_of<std::int64_t>(bytes)) to_owner.push_back({home.own().find(id), source});
+  std::ranges::sort(to_owner);
+  for (const auto& [vertex, user] : home.users())
+    for (const Question& question : about(to_owner, vertex)) {
+      Bytes& bytes = to_users[static_cast<std::size_t>(user)];
+      put(bytes, home.vertices()[vertex]);
+      put(bytes, question.rank);
+    }
   for (const auto& [source, bytes] : send_to_ranks(exchange, std::move(to_users)))
-    for (const auto& [id, rank] : values_of<Asked<std::int64_t>>(bytes))
-      questions.push_back({static_cast<Index>(std::ranges::lower_bound(home.used(), id) - home.used().begin()), rank});
-  std::ranges::sort(questions);
-  return questions;
+    for (Reader reader(bytes); !reader.at_end();) {
+      const auto at = std::ranges::lower_bound(home.used(), reader.get<std::int64_t>()) - home.used().begin();
+      to_user.push_back({static_cast<Index>(at), reader.get<int>()});
+    }
+  std::ranges::sort(to_user);
+  return to_user;
 }
 
 }  // namespace
@@ -212,7 +217,7 @@ ReceivedElements distribute(Exchange& exchange, const Home& home, std::span<cons
 
 ReceivedElements elements_at(Exchange& exchange, const Home& home, std::span<const std::int64_t> ids,
                              std::span<const int> owners, double& seconds) {
-  const std::vector<Asked<Index>> questions = ask(exchange, home, ids, owners);
+  const std::vector<Question> questions = ask(exchange, home, ids, owners);
   std::vector<Bytes> by_rank(static_cast<std::size_t>(exchange.size()));
   {
     StageClock clock;
@@ -222,8 +227,7 @@ ReceivedElements elements_at(Exchange& exchange, const Home& home, std::span<con
     for (std::size_t i = 0; i < elements.size(); ++i) {
       askers.clear();
       for (std::size_t k = elements.offsets[i]; k < elements.offsets[i + 1]; ++k)
-        for (const auto& asked : std::ranges::equal_range(questions, home.corner(k), {}, &Asked<Index>::vertex))
-          askers.push_back(asked.rank);
+        for (const Question& question : about(questions, home.corner(k))) askers.push_back(question.rank);
       sort_unique(askers);
       for (const int r : askers)
         put_element(by_rank[static_cast<std::size_t>(r)], home, i, false, [](std::size_t) { return false; });
