@@ -98,7 +98,8 @@ struct Question {
 };
 
 std::span<const Question> about(const std::vector<Question>& sorted, Index vertex) {
-  return std::span(std::ranges::equal_range(sorted, vertex, {}, &Question::vertex));
+  const auto begin = std::ranges::lower_bound(sorted, vertex, {}, &Question::vertex);
+  return {begin, std::ranges::upper_bound(begin, sorted.end(), vertex, {}, &Question::vertex)};
 }
 
 /// Passes the questions of all ranks on to the ranks whose elements have the vertices. Returns those to this rank, with
