@@ -96,7 +96,9 @@ void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& e
   state.counters = {};
   count_elements(step.topology, state, executor);
   if (state.volumes) {
-    state.stars.update(step, executor);
+    Step alone = step;  // in a region, few pairs at a cut have orphans: less work than the other elements at the cut
+    alone.piece.cut_stars = nullptr;
+    state.stars.update(alone, executor);
     state.counters.suspect_vertices = state.stars.suspects().size();
     state.counters.by_stars = detail::few_suspects(step, state.stars.suspects(), config_.max_suspect_fraction);
   }

@@ -24,7 +24,6 @@ class StarOrphans final : public OrphanSource {
 
   std::unique_ptr<StageState> make_state() const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;
-  bool uses_cut_stars() const override { return true; }
   std::size_t blocks(const StageState& state) const override;
   void run(const Step& step, StageState& state, unsigned worker, std::size_t block, Work& out) const override;
 

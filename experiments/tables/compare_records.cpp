@@ -181,7 +181,7 @@ void compare(const std::string& name, const Entrants& a, const Entrants& b, Reco
     result.other_counts += !change.same_counts;
     result.single += change.single;
     if (!slower && !faster && change.same_counts) continue;
-    const auto ms = [&](double seconds) { return number_text(1e3 * seconds / double(change.steps)); };
+    const auto ms = [steps = double(change.steps)](double seconds) { return number_text(1e3 * seconds / steps); };
     result.table.add({name, key, ms(change.before), ms(change.after), fmt::format("{:.3f}", change.ratio()),
                       fmt::format("{:.3f}", change.drift), fmt::format("{:.1f} %", 100 * change.tolerance()),
                       slower   ? "slower"

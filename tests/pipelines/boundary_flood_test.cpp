@@ -165,8 +165,8 @@ class FloodScenes {
   std::string what_;
 };
 
-/// Parts of a mesh: of its elements at random, or those on one side of a plane. Stars that are cut are classified with
-/// the elements around the part, by the flood and, without one, by star-orphans.
+/// Parts of a mesh: of its elements at random, or those on one side of a plane. The flood classifies stars that are
+/// cut with all their elements.
 std::size_t compare_parts(const FloodScene& scene, Random& random, const std::string& what) {
   Contest flood, orphans(spec_of("none"));
   std::size_t contacts = 0;
