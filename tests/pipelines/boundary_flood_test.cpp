@@ -168,7 +168,7 @@ class FloodScenes {
 /// Parts of a mesh: of its elements at random, or those on one side of a plane. The flood classifies stars that are
 /// cut with all their elements.
 std::size_t compare_parts(const FloodScene& scene, Random& random, const std::string& what) {
-  Contest flood, orphans(spec_of("none"));
+  Contest flood;
   std::size_t contacts = 0;
   for (int k = 0; k < 2; ++k) {
     const double share = random.uniform(0.3, 0.9);
@@ -181,7 +181,6 @@ std::size_t compare_parts(const FloodScene& scene, Random& random, const std::st
     Step step{part.topology, scene.linear, kNoFilter};
     step.piece = part.piece();
     contacts += flood.compare(step, what + ", a part");
-    orphans.compare(step, what + ", a part, without a flood");
     step.separation = random.uniform(0, 0.1);
     flood.compare(step, what + ", a part, separation " + std::to_string(step.separation));
   }
