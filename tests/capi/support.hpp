@@ -9,6 +9,8 @@
 
 #include <volccd/oracle/cases/shapes.hpp>
 
+#include "support/two_bodies.hpp"
+
 namespace volccd::capi_test {
 
 /// The elements of a shape as arrays, with ids 100, 101, ... in their order.
@@ -77,14 +79,6 @@ std::vector<T> take(int (*function)(const volccd_detector*, const T**, std::int6
   return std::vector<T>(data, data + n * values_per_entry);
 }
 
-/// Two objects of this shape, with permuted ids; the second one is above the first.
-inline Shape two_of(const Shape& shape) {
-  Shape both, other = shape;
-  double height = 0;
-  for (const Vec3& p : shape.positions) height = std::max(height, p.z());
-  both.append(shape, 1);
-  both.append(other.translate(Vec3(0.31, 0.27, height + 0.2)), 2);
-  return permuted(both, 5);
-}
+inline Shape two_of(const Shape& shape) { return test::two_bodies(shape, 0.2); }
 
 }  // namespace volccd::capi_test

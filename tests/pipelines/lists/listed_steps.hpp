@@ -1,7 +1,6 @@
 // Bodies for candidate lists, and what steps with lists have in common with fresh ones.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -11,6 +10,7 @@
 #include <volccd/pipelines/pipeline.hpp>
 
 #include "pipelines/scenes.hpp"
+#include "support/two_bodies.hpp"
 
 namespace volccd::test {
 
@@ -18,14 +18,7 @@ inline Vec3 random_vector(Random& random, double amount) {
   return amount * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
 }
 
-inline Shape two_bodies(const Shape& shape) {
-  Shape both, other = shape;
-  double height = 0;
-  for (const Vec3& p : shape.positions) height = std::max(height, p.z());
-  both.append(shape, 1);
-  both.append(other.translate(Vec3(0.31, 0.27, height + 0.1)), 2);
-  return permuted(both, 5);
-}
+inline Shape two_bodies(const Shape& shape) { return two_bodies(shape, 0.1); }
 
 inline void expect_equal(const StepResult& fresh, const StepResult& listed, const std::string& what) {
   EXPECT_EQ(fresh.contacts, listed.contacts) << what;
