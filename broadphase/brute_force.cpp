@@ -18,11 +18,11 @@ constexpr std::size_t kRows = 16;  ///< elements of a block
 struct BruteForceState final : StageState {
   TopologyDelta delta;
   detail::FilterKeys keys;
-  detail::ElementList list;
+  std::vector<Index> slots;  ///< live elements, ascending
   detail::BoxRows boxes;
   std::vector<std::vector<Index>> hits;  ///< one list for each worker
 
-  std::size_t bytes() const override { return heap_bytes(delta, keys, list, boxes, hits); }
+  std::size_t bytes() const override { return heap_bytes(delta, keys, slots, boxes, hits); }
 };
 
 }  // namespace
@@ -39,24 +39,24 @@ std::unique_ptr<StageState> BruteForce::make_state() const { return std::make_un
 void BruteForce::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
   const bool changed = state.delta.sync(step.topology) != TopologyDelta::Extent::none;
-  if (changed) state.list.assign(step.mesh(), executor);
+  if (changed) detail::list_elements(step.mesh(), state.slots);
   state.keys.update(step, changed);
-  if (config_.bounds == Bounds::aabb) state.boxes.update(step, state.list, executor);
+  if (config_.bounds == Bounds::aabb) state.boxes.update(step, {state.slots, step.topology.adjacency()}, executor);
   state.delta.confirm();
 }
 
 std::size_t BruteForce::blocks(const Step&, StageState& stage_state, Executor& executor) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
   state.hits.resize(executor.workers());
-  for (std::vector<Index>& hits : state.hits) hits.resize(state.list.size() + detail::BoxRows::kPadding);
-  return (state.list.size() + kRows - 1) / kRows;
+  for (std::vector<Index>& hits : state.hits) hits.resize(state.slots.size() + detail::BoxRows::kPadding);
+  return (state.slots.size() + kRows - 1) / kRows;
 }
 
 void BruteForce::run(const Step& step, StageState& stage_state, unsigned worker, std::size_t block, Work& work) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
   const detail::PairRules rules(step, state.keys);
-  const std::size_t count = state.list.size(), end = std::min(count, (block + 1) * kRows);
-  const Index* const slots = state.list.slots();
+  const std::size_t count = state.slots.size(), end = std::min(count, (block + 1) * kRows);
+  const std::vector<Index>& slots = state.slots;
   Index* const hits = state.hits[worker].data();
   detail::PairWriter out(work);
   for (std::size_t i = block * kRows; i < end; ++i) {

@@ -103,7 +103,7 @@ void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& execu
     ++state.counters.builds;
     if (config_.restructure != Restructure::always) state.tree.free_scratch();
   } else {
-    state.tree.refit(state.vertices, executor);
+    state.tree.refit(step, state.vertices, executor);
     if (config_.restructure == Restructure::subtrees)
       restructured = state.tree.restructure(step, config_.degradation, state.vertices, executor);
     state.counters.restructured_elements += restructured;

@@ -109,7 +109,7 @@ class BulletDbvt final : public PeerPhase {
   void make_leaves(BulletState& state) const {
     state.tree.clear();
     state.leaves.clear();
-    for (std::size_t p = 0; p < state.list.size(); ++p) {
+    for (std::size_t p = 0; p < state.slots.size(); ++p) {
       state.leaves.push_back(state.tree.insert(state.volume(p), nullptr));
       state.leaves[p]->dataAsInt = static_cast<int>(p);
     }

@@ -51,8 +51,8 @@ class CgalBoxIntersection final : public PeerPhase {
   void update(PeerState& peer, bool, Executor&) const override {
     CgalState& state = static_cast<CgalState&>(peer);
     state.set_scale();
-    state.intervals.resize(state.list.size());
-    for (std::size_t p = 0; p < state.list.size(); ++p) {
+    state.intervals.resize(state.slots.size());
+    for (std::size_t p = 0; p < state.slots.size(); ++p) {
       CgalBox& box = state.intervals[p];
       for (int axis = 0; axis < 3; ++axis) {
         box.low[axis] = state.low(p)[axis] * state.scale;

@@ -164,7 +164,7 @@ class EmbreeCollide final : public PeerPhase {
   /// Creates a scene with as many primitives as there are elements; no scene if there are none.
   void make_scene(EmbreeState& state) const {
     state.release();
-    if (state.list.size() == 0) return;
+    if (state.slots.size() == 0) return;
     state.scene = rtcNewScene(state.device);
     state.geometry = rtcNewGeometry(state.device, RTC_GEOMETRY_TYPE_USER);
     const bool refit = config_.update == Update::refit;
@@ -172,7 +172,7 @@ class EmbreeCollide final : public PeerPhase {
     rtcSetSceneBuildQuality(state.scene, refit ? RTC_BUILD_QUALITY_LOW : config_.quality);
     if (refit) rtcSetSceneFlags(state.scene, RTC_SCENE_FLAG_DYNAMIC);
     rtcSetGeometryBuildQuality(state.geometry, refit ? RTC_BUILD_QUALITY_REFIT : config_.quality);
-    rtcSetGeometryUserPrimitiveCount(state.geometry, static_cast<unsigned>(state.list.size()));
+    rtcSetGeometryUserPrimitiveCount(state.geometry, static_cast<unsigned>(state.slots.size()));
     rtcSetGeometryUserData(state.geometry, &state);
     rtcSetGeometryBoundsFunction(state.geometry, bound_primitive, nullptr);
     rtcAttachGeometry(state.scene, state.geometry);

@@ -39,7 +39,7 @@ struct FclState final : PeerState {
 };
 
 void make_objects(FclState& state) {
-  const std::size_t count = state.list.size();
+  const std::size_t count = state.slots.size();
   state.manager.clear();
   state.objects.clear();
   state.addresses.clear();

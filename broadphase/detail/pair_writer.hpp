@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
-#include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
 #include <volccd/query/roles/broad_phase.hpp>
 
@@ -75,11 +75,11 @@ class PairWriter {
   std::array<ElementPair, kCapacity + 2> pairs_;
 };
 
-/// Writes the self pairs (o, o) that the step asks for of the positions [begin, end) of a list without gaps.
-inline void write_self_pairs(const ElementList& list, const PairRules& rules, std::size_t begin, std::size_t end,
+/// Writes the self pairs (o, o) that the step asks for of the elements at the positions [begin, end).
+inline void write_self_pairs(std::span<const Index> slots, const PairRules& rules, std::size_t begin, std::size_t end,
                              PairWriter& out) {
-  for (std::size_t p = begin; p < std::min(end, list.size()); ++p)
-    if (rules.included(list.slot(p), list.slot(p))) out.push(list.slot(p), list.slot(p));
+  for (std::size_t p = begin; p < std::min(end, slots.size()); ++p)
+    if (rules.included(slots[p], slots[p])) out.push(slots[p], slots[p]);
 }
 
 }  // namespace volccd::detail

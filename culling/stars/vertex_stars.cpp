@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <utility>
 
 #include <volccd/culling/stars/detail/direction_cones.hpp>
 
@@ -58,6 +59,14 @@ bool cones_go_once_around(const Step& step, Index v, bool mirrored) {
   return once;
 }
 
+/// Calls use(v) for every vertex; all workers take part.
+template <class Use>
+void for_vertices(const Motion& motion, Executor& executor, Use&& use) {
+  executor.parallel_for(motion.vertex_count(), kVertexGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (auto v = static_cast<Index>(begin); v < end; ++v) use(v);
+  });
+}
+
 /// Whether the direction `up` is in no cone at v.
 bool cones_exclude(const Step& step, Index v, bool mirrored, const Vec3& up) {
   bool none = true;
@@ -90,48 +99,43 @@ void VertexStars::find_all_positive(const Step& step, Executor& executor) {
   });
 }
 
-/// Takes the next step. Returns whether it does not begin where the last one ended; gap_ is the motion in between.
-/// Vertices that the last step did not have do not move in it. False for the first step.
+/// Makes gap_ the motion from the end of the last step to the start of this one. Vertices that the last step did not
+/// have do not move in it. Returns whether any vertex does.
 bool VertexStars::find_gap(const Motion& motion, Executor& executor) {
-  const auto before = static_cast<Index>(last_.size());
-  last_.resize(motion.vertex_count());
-  const auto for_vertices = [&](auto&& use) {
-    executor.parallel_for(last_.size(), kVertexGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-      for (auto v = static_cast<Index>(begin); v < end; ++v) use(v);
-    });
-  };
+  const Index before = gap_.vertex_count();
+  if (before != motion.vertex_count()) {
+    Motion gap(motion.vertex_count(), 2);
+    for (Index v = 0; v < gap.vertex_count(); ++v) gap.set(v, 0, v < before ? gap_.point(v, 0) : motion.point(v, 0));
+    gap_ = std::move(gap);
+  }
   std::atomic<bool> moved = false;
-  for_vertices([&](Index v) {
-    if (!moved.load(std::memory_order_relaxed) && v < before && last_[v] != motion.point(v, 0))
+  for_vertices(gap_, executor, [&](Index v) {
+    if (!moved.load(std::memory_order_relaxed) && gap_.point(v, 0) != motion.point(v, 0))
       moved.store(true, std::memory_order_relaxed);  // once, as workers share its cache line
   });
-  if (moved) {
-    if (gap_.vertex_count() != motion.vertex_count()) gap_ = Motion(motion.vertex_count(), 2);
-    for_vertices([&](Index v) {
-      const Vec3 start = motion.point(v, 0);
-      gap_.set(v, 0, v < before ? last_[v] : start);
-      gap_.set(v, 1, start);
-    });
-  }
-  for_vertices([&](Index v) { last_[v] = motion.point(v, motion.control_points() - 1); });
+  if (moved) for_vertices(gap_, executor, [&](Index v) { gap_.set(v, 1, motion.point(v, 0)); });
   return moved;
 }
 
 /// Invalidates what is known of condition 4 for stars that changed, or may have folded between the last step and this
 /// one. Those that may fold in this step follow in examine_star().
 void VertexStars::invalidate_known(const Step& step, TopologyDelta::Extent changed, Executor& executor) {
-  if (changed == TopologyDelta::Extent::everything) known_.clear(), last_.clear();
+  if (changed == TopologyDelta::Extent::everything) known_.clear(), gap_ = Motion();
   known_.resize(step.motion.vertex_count(), Known::nothing);
   for (const Index v : table_.changed_vertices()) known_[v] = Known::nothing;
-  if (!find_gap(step.motion, executor)) return;
-  const Step gap{step.topology, gap_, step.filter};
-  rings_.find_folds(gap, executor, folds_);
-  for (std::size_t v = 0; v < known_.size(); ++v)
-    if (folds_[v] != 0) known_[v] = Known::nothing;
-  find_signs(gap, gap_signs_, executor);
-  for (Index o = 0; o < signs_.size(); ++o)  // stars that need the other signs are suspect in this step
-    if (!gap_signs_[o].include(signs_[o]))
-      for (const Index v : step.mesh().vertices(o)) known_[v] = Known::nothing;
+  const bool moved = find_gap(step.motion, executor);
+  if (moved) {
+    const Step gap{step.topology, gap_, step.filter};
+    rings_.find_folds(gap, executor, folds_);
+    for (std::size_t v = 0; v < known_.size(); ++v)
+      if (folds_[v] != 0) known_[v] = Known::nothing;
+    find_signs(gap, gap_signs_, executor);
+    for (Index o = 0; o < signs_.size(); ++o)  // stars that need the other signs are suspect in this step
+      if (!gap_signs_[o].include(signs_[o]))
+        for (const Index v : step.mesh().vertices(o)) known_[v] = Known::nothing;
+  }
+  const int end = step.motion.control_points() - 1;
+  for_vertices(gap_, executor, [&](Index v) { gap_.set(v, 0, step.motion.point(v, end)); });
 }
 
 /// The common sign of the cones at v and of the tetrahedra of the elements at v, throughout the step; 0 if there is

@@ -45,7 +45,7 @@ class VertexStars {
 
   std::size_t bytes() const {
     return heap_bytes(table_, rings_, judged_, folds_, suspect_, known_, all_positive_, signs_, gap_signs_, scratch_,
-                      last_, gap_, suspects_) +
+                      gap_, suspects_) +
            (cut_stars_ ? sizeof *cut_stars_ + cut_stars_->bytes() : 0);
   }
 
@@ -73,8 +73,7 @@ class VertexStars {
   std::vector<std::uint8_t> all_positive_;     ///< by vertex: whether the volumes at it are all proven to be positive
   std::vector<ConeSigns> signs_, gap_signs_;   ///< by element slot
   std::vector<Ring> scratch_;                  ///< by worker
-  std::vector<Vec3> last_;                     ///< by vertex: where the last step ended
-  Motion gap_;                                 ///< the straight motion from the last step to this one
+  Motion gap_;  ///< its start: where the last step ended; its end, if it was needed: the start of this one
   std::vector<Index> suspects_;
   bool complete_ = false;                   ///< whether the last update has ended
   std::unique_ptr<VertexStars> cut_stars_;  ///< of Piece::cut_stars, for the stars that are not complete; null without

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <vector>
 
-#include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
@@ -20,8 +19,8 @@ namespace volccd::detail {
 struct PeerState : StageState {
   TopologyDelta delta;
   FilterKeys keys;
-  ElementList list;             ///< live elements by slot, without gaps
-  BoundsTable vertices, boxes;  ///< k = 6; row p of `boxes` is the swept box of the element at position p of the list
+  std::vector<Index> slots;     ///< live elements, ascending
+  BoundsTable vertices, boxes;  ///< k = 6; row p of `boxes` is the swept box of the element at position p of `slots`
   std::vector<std::vector<ElementPair>> pairs;     ///< by worker: all pairs of the step, without self pairs
   std::vector<std::array<std::size_t, 2>> chunks;  ///< of `pairs`: worker and begin
   const PairRules* rules = nullptr;                ///< those of the step, while collide() runs
@@ -39,7 +38,7 @@ struct PeerState : StageState {
 
   /// Passes on a pair of positions whose boxes overlap, if the query requests it.
   void push(Index p, Index q, unsigned worker = 0) {
-    const Index a = list.slot(p), b = list.slot(q);
+    const Index a = slots[p], b = slots[q];
     if (rules->included(a, b)) pairs[worker].push_back(ordered(a, b));
   }
 
@@ -64,11 +63,11 @@ class PeerPhase : public BroadPhase {
 
  protected:
   /// Updates the other library's data structure for the boxes of the state. `changed`: the boxes belong to other
-  /// elements than in the last call, or this is the first call. The list may be empty.
+  /// elements than in the last call, or this is the first call. There may be no elements.
   virtual void update(PeerState& state, bool changed, Executor& executor) const = 0;
 
   /// Passes each unordered pair of different positions whose boxes overlap or touch to state.push(), exactly once, with
-  /// the number of the worker that finds it. The list has at least two elements.
+  /// the number of the worker that finds it. There are at least two elements.
   virtual void collide(PeerState& state, Executor& executor) const = 0;
 };
 

@@ -72,8 +72,9 @@ TEST(ExtremeCoordinates, TreesContainEachElementOnce) {
   std::size_t infinite = 0;
   for_extreme_scenes([&](const Scene& scene) {
     detail::bound_vertices(scene.step(), 6, *executor, table);
-    detail::ElementList list;
-    list.assign(scene.topology->mesh(), *executor);
+    std::vector<Index> slots;
+    detail::list_elements(scene.topology->mesh(), slots);
+    const detail::ElementList list{slots, scene.topology->adjacency()};
     const auto count = static_cast<Index>(list.size());
     std::vector<detail::BuildItem> items(count);
     detail::make_items(list, table, 0, count, {}, items.data());
@@ -112,8 +113,9 @@ TEST(ExtremeCoordinates, TreesOfElementsOfAllSizesAreNotDeep) {
   SerialExecutor executor;
   detail::BoundsTable table;
   detail::bound_vertices(scene.step(), 6, executor, table);
-  detail::ElementList list;
-  list.assign(scene.topology->mesh(), executor);
+  std::vector<Index> slots;
+  detail::list_elements(scene.topology->mesh(), slots);
+  const detail::ElementList list{slots, scene.topology->adjacency()};
   detail::TreeBuilder builder;
   std::vector<detail::TreeNode> nodes(detail::tree_nodes(kCount, 1));
   int max = 0;

@@ -17,9 +17,10 @@ void AdjacentLeaves::clear() {
   known_.clear();
 }
 
-void AdjacentLeaves::update(const ElementList& list, Index elements, Index leaf_size, const Adjacency& adjacency,
-                            Index vertices, Executor& executor) {
-  if (elements > kMaxElements) return clear();
+void AdjacentLeaves::update(std::span<const Index> slots, Index leaf_size, const Adjacency& adjacency, Index vertices,
+                            Executor& executor) {
+  if (slots.size() > kMaxElements) return clear();
+  const Index elements = static_cast<Index>(slots.size());
   const Index leaves = (elements + leaf_size - 1) / leaf_size, blocks = (elements + kBlock - 1) / kBlock;
   if (elements_ == elements && forgotten_ <= leaves / kForgottenDenominator) return;
   elements_ = elements;
@@ -32,8 +33,8 @@ void AdjacentLeaves::update(const ElementList& list, Index elements, Index leaf_
   // A place is kMaskRow times the leaf, plus the place of the element there.
   const auto add_places = [&](std::size_t, std::size_t begin, std::size_t end, auto&& add) {
     for (Index p = static_cast<Index>(begin); p < end; ++p)
-      if (list.slot(p) != kNone)
-        for (const Index v : adjacency.vertices(list.slot(p)))
+      if (slots[p] != kNone)
+        for (const Index v : adjacency.vertices(slots[p]))
           add(KeyValue{v, (p - p % leaf_size) * kMaskRow + p % leaf_size});
   };
   IncidencePool places;
@@ -42,18 +43,18 @@ void AdjacentLeaves::update(const ElementList& list, Index elements, Index leaf_
   for (Scratch& scratch : scratch_) scratch.entries.assign(elements, kNone);
   executor.parallel_for(blocks, 1, [&](std::size_t begin, std::size_t end, unsigned worker) {
     for (std::size_t b = begin; b < end; ++b)
-      make_block(list, adjacency, places, static_cast<Index>(b), scratch_[worker]);
+      make_block(slots, adjacency, places, static_cast<Index>(b), scratch_[worker]);
   });
 }
 
 /// Sets scratch.vertices to the vertices of a leaf, each with bit 8 i for every element i that has it.
-void AdjacentLeaves::collect_vertices(const ElementList& list, const Adjacency& adjacency, Index leaf,
+void AdjacentLeaves::collect_vertices(std::span<const Index> slots, const Adjacency& adjacency, Index leaf,
                                       Scratch& scratch) const {
   scratch.vertices.clear();
   const Index end = std::min(leaf + leaf_size_, elements_);
   for (Index p = leaf; p < end; ++p) {
-    if (list.slot(p) == kNone) continue;
-    for (const Index v : adjacency.vertices(list.slot(p))) {
+    if (slots[p] == kNone) continue;
+    for (const Index v : adjacency.vertices(slots[p])) {
       const auto at = std::find_if(scratch.vertices.begin(), scratch.vertices.end(),
                                    [&](const LeafVertex& listed) { return listed.vertex == v; });
       const std::uint64_t bit = std::uint64_t{1} << kMaskRow * (p - leaf);
@@ -66,7 +67,7 @@ void AdjacentLeaves::collect_vertices(const ElementList& list, const Adjacency& 
 }
 
 /// Makes the rows of one block from the places by vertex. The entries in `scratch` are kNone before and after.
-void AdjacentLeaves::make_block(const ElementList& list, const Adjacency& adjacency, const IncidencePool& places,
+void AdjacentLeaves::make_block(std::span<const Index> slots, const Adjacency& adjacency, const IncidencePool& places,
                                 Index number, Scratch& scratch) {
   Block& block = blocks_[number];
   block.leaves.clear();
@@ -76,7 +77,7 @@ void AdjacentLeaves::make_block(const ElementList& list, const Adjacency& adjace
   for (Index leaf = first; leaf < last; leaf += leaf_size_) {
     const std::size_t row = block.leaves.size();
     begins_[leaf] = static_cast<Index>(row);
-    collect_vertices(list, adjacency, leaf, scratch);
+    collect_vertices(slots, adjacency, leaf, scratch);
     for (const LeafVertex& shared : scratch.vertices)
       for (const Index place : places[shared.vertex]) {
         if (place < leaf * kMaskRow) continue;

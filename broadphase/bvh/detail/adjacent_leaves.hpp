@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/adjacency.hpp>
@@ -32,10 +32,11 @@ class AdjacentLeaves {
 
   void clear();
 
-  /// Makes the table for the first `elements` positions anew, unless it has most of their leaves. `vertices`: number of
-  /// vertices of the mesh. The time is proportional to the number of pairs of adjacent elements, divided by the number
-  /// of threads. Has no leaves if there are more than kMaxElements. Pre: leaf_size <= kMaskRow.
-  void update(const ElementList& list, Index elements, Index leaf_size, const Adjacency& adjacency, Index vertices,
+  /// Makes the table for the elements `slots`, by position, anew, unless it has most of their leaves. kNone: no
+  /// element. `vertices`: number of vertices of the mesh. The time is proportional to the number of pairs of adjacent
+  /// elements, divided by the number of threads. Has no leaves if there are more than kMaxElements. Pre: leaf_size <=
+  /// kMaskRow.
+  void update(std::span<const Index> slots, Index leaf_size, const Adjacency& adjacency, Index vertices,
               Executor& executor);
 
   /// Removes the leaves of these positions, whose elements were reordered, from the table.
@@ -69,8 +70,8 @@ class AdjacentLeaves {
     std::size_t bytes() const { return heap_bytes(entries, vertices); }
   };
 
-  void collect_vertices(const ElementList& list, const Adjacency& adjacency, Index leaf, Scratch& scratch) const;
-  void make_block(const ElementList& list, const Adjacency& adjacency, const IncidencePool& places, Index block,
+  void collect_vertices(std::span<const Index> slots, const Adjacency& adjacency, Index leaf, Scratch& scratch) const;
+  void make_block(std::span<const Index> slots, const Adjacency& adjacency, const IncidencePool& places, Index block,
                   Scratch& scratch);
 
   Index elements_ = 0, leaf_size_ = 1, forgotten_ = 0;

@@ -27,21 +27,10 @@ struct TreeCost {
   double nodes, elements;
 };
 
-/// Slots of the list, and the vertices that decide what is adjacent, in the layout of the leaf kernels: vertex v of the
-/// element at position p is ids[v * stride + p]. Elements with fewer vertices repeat a vertex; gaps have kNone as
-/// vertices and as slot. All rows may be read up to kPadding positions beyond the end.
-struct LeafLanes {
-  static constexpr std::size_t kPadding = 4;
-
-  const Index* ids;
-  const Index* slots;
-  std::size_t stride;
-  int vertices;  ///< 4 or 8; 0 if there are larger elements, and then no ids
-};
-
 class KdopTree {
  public:
   static constexpr int kMaxLeafSize = AdjacentLeaves::kMaskRow;
+  static constexpr std::size_t kPadding = 4;
 
   /// Builds a tree with bounds over all live elements. `vertices` are the bounds of the vertices for this step.
   void build(const Step& step, int leaf_size, const BoundsTable& vertices, Executor& executor);
@@ -52,69 +41,67 @@ class KdopTree {
   bool edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices, Executor& executor);
 
   /// Updates the bounds for another step. Linear time in the number of elements.
-  void refit(const BoundsTable& vertices, Executor& executor);
+  void refit(const Step& step, const BoundsTable& vertices, Executor& executor);
 
   /// Rebuilds in place, with bounds, the subtrees whose cost ratio exceeds `degradation` times their ratio after their
   /// last build. Returns the number of elements in them. To be called after refit().
   std::size_t restructure(const Step& step, double degradation, const BoundsTable& vertices, Executor& executor);
 
-  /// Frees the memory that only builds need, about 130 bytes for each element. For a tree that is rarely built.
+  /// Frees the memory that only builds need, about 80 bytes for each element. For a tree that is rarely built.
   void free_scratch() { scratch_ = std::vector<BuildScratch>(1); }
 
   /// Updates adjacent_leaves(). They are empty after a build until this is called.
   void find_adjacent_leaves(const Step& step, Executor& executor) {
-    adjacent_leaves_.update(list_, built_elements_, leaf_size_, step.adjacency(), step.mesh().vertex_count(), executor);
+    adjacent_leaves_.update(slots().first(built_elements_), leaf_size_, step.adjacency(), step.mesh().vertex_count(),
+                            executor);
   }
 
   /// Sets the keys of all nodes.
   void set_keys(const FilterKeys& keys);
 
-  const ElementList& list() const { return list_; }
+  /// Elements by position, kNone for a gap. kPadding more, and their bounds, may be read; they are gaps.
+  std::span<const Index> slots() const { return std::span(slots_).first(size()); }
   const std::vector<TreeNode>& nodes() const { return nodes_; }
   const BoundsTable& node_bounds() const { return node_bounds_; }
   const BoundsTable& element_bounds() const { return element_bounds_; }
-  LeafLanes lanes() const { return {lanes_.data() + lane_stride_, lanes_.data(), lane_stride_, lane_vertices_}; }
   const AdjacentLeaves& adjacent_leaves() const { return adjacent_leaves_; }
   /// Root nodes: none, one or two.
   std::vector<Index> const& roots() const { return roots_; }
   int depth() const { return depth_; }
   std::size_t bytes() const {
-    return heap_bytes(list_, nodes_, costs_, built_ratios_, node_bounds_, element_bounds_, lanes_, positions_, blocks_,
-                      upper_, adjacent_leaves_, added_, scratch_);
+    return heap_bytes(slots_, nodes_, costs_, built_ratios_, node_bounds_, element_bounds_, positions_, blocks_, upper_,
+                      adjacent_leaves_, added_, scratch_);
   }
 
  private:
+  std::size_t size() const { return slots_.size() - kPadding; }
+  ElementList list(const Step& step) const { return {slots(), step.topology.adjacency()}; }
   Index nodes_of(Index elements) const { return tree_nodes(elements, leaf_size_); }
   /// The next node, in preorder, outside of the subtree.
   Index subtree_end(Index node) const { return node + nodes_of(nodes_[node].size()); }
   /// Scratch memory for building a subtree.
   struct BuildScratch {
     TreeBuilder builder;
-    ElementList::Scratch list;
-    std::size_t bytes() const { return heap_bytes(builder, list); }
+    std::vector<Index> slots;
+    std::size_t bytes() const { return heap_bytes(builder, slots); }
   };
   /// A subtree to be rebuilt, and the depth of its root; after that, of its deepest leaf.
   struct Degraded {
     Index node;
     int depth;
   };
-  void add_tree(const Adjacency& adjacency, Index begin, const BoundsTable& vertices, Executor& executor);
-  int build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTable& vertices, BuildScratch& scratch,
-                    Executor& executor);
-  void rebuild(const Adjacency& adjacency, Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch,
+  void add_tree(const Step& step, Index begin, const BoundsTable& vertices, Executor& executor);
+  int build_subtree(const Step& step, const TreeBuilder::Subtree& subtree, const BoundsTable& vertices,
+                    BuildScratch& scratch, Executor& executor);
+  void rebuild(const Step& step, Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch,
                Executor& executor);
-  void refit_nodes(const BoundsTable& vertices, Index begin, Index end);
+  void refit_nodes(const ElementList& list, const BoundsTable& vertices, Index begin, Index end);
   void find_blocks();
-  std::size_t max_ids(const Adjacency& adjacency, std::size_t begin) const;
-  void fill_lanes(const Adjacency& adjacency, std::size_t begin, std::size_t end, Executor& executor);
-  void fill_lane(const Adjacency& adjacency, std::size_t p);
-  void make_lanes(const Adjacency& adjacency, Executor& executor);
-  void end_lanes();
   void note_costs(Index node);
   void collect_degraded(Index node, int depth, double degradation);
 
   Index leaf_size_ = 4;
-  ElementList list_;
+  std::vector<Index> slots_ = std::vector<Index>(kPadding, kNone);  ///< by position, and padding
   std::vector<TreeNode> nodes_;
   std::vector<TreeCost> costs_;
   std::vector<float> built_ratios_;  ///< ratio of costs_ when the node was built
@@ -123,9 +110,6 @@ class KdopTree {
   Index gaps_ = 0;
   int depth_ = 0;
   BoundsTable node_bounds_, element_bounds_;
-  std::vector<Index> lanes_;  ///< rows of LeafLanes, the row of slots first
-  std::size_t lane_stride_ = 0;
-  int lane_vertices_ = 4;
   std::vector<Index> positions_;  ///< position of each slot
   std::vector<Index> blocks_;     ///< roots of disjoint subtrees that are refitted in parallel
   std::vector<Index> upper_;      ///< the nodes above `blocks_`, in preorder

@@ -1,5 +1,6 @@
 #include <volccd/broadphase/bvh/detail/tree_kernels.hpp>
 
+#include <bit>
 #include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
@@ -27,8 +28,9 @@ void refit_leaf(const RefitArrays& t, Index node) {
   const Index begin = t.nodes[node].begin, end = t.nodes[node].end;
   double elements = 0;
   for (Index p = begin; p < end; ++p) {
-    if (p >= ahead)
+    if (p >= ahead && t.list->slot(p - ahead) != kNone)
       for (const Index v : t.list->vertices(p - ahead)) hwy::Prefetch(t.vertices->row(v));
+    if (p >= 2 * ahead && t.list->slot(p - 2 * ahead) != kNone) hwy::Prefetch(t.list->vertices(p - 2 * ahead).data());
     float* const row = t.element_bounds->row(p);
     if (t.list->slot(p) == kNone) {
       make_empty<kWidth>(row);
@@ -66,7 +68,7 @@ class Traversal {
  public:
   Traversal(const KdopTree& tree, const PairRules& rules)
       : nodes_(tree.nodes().data()),
-        lanes_(tree.lanes()),
+        slots_(tree.slots().data()),
         adjacent_(tree.adjacent_leaves()),
         node_rows_(tree.node_bounds().row(0)),
         element_rows_(tree.element_bounds().row(0)),
@@ -110,10 +112,8 @@ class Traversal {
         descend(pair, push);
       else if (rules_.adjacency && known(pair))
         known_leaves(pair, out);
-      else if (lanes_.vertices == 4)
-        leaves<true>(pair, out);
       else
-        leaves<false>(pair, out);
+        leaves(pair, out);
     }
   }
 
@@ -173,16 +173,13 @@ class Traversal {
     for (Index i = a.begin; i < a.end; ++i, hits >>= AdjacentLeaves::kMaskRow)
       for (Index j = b.begin; j < b.end; j += kLanes) {
         unsigned row = static_cast<unsigned>(hits >> (j - b.begin)) & ((1u << kLanes) - 1);
-        if (mixed && row != 0) row &= ~dropped(i, j);
+        if (mixed) row = allowed(row, i, j);
         next = emit(row, i, j, next);
       }
     out.written(next);
   }
 
-  /// Tests each element of the first leaf that overlaps the second against four elements of the latter at a time,
-  /// mostly without branches, since many of these pairs overlap, but not predictably. kFour: elements have at most four
-  /// vertices.
-  template <bool kFour>
+  /// Tests each element of the first leaf that overlaps the second against four elements of the latter at a time.
   HWY_INLINE void leaves(NodePair pair, PairWriter& out) {
     const TreeNode &a = nodes_[pair.a], &b = nodes_[pair.b];
     const bool itself = pair.a == pair.b;
@@ -193,9 +190,8 @@ class Traversal {
       for (Index j = b.begin; j < b.end; j += kLanes) {
         unsigned hits = overlaps(i, j) & ((1u << std::min(b.end - j, kLanes)) - 1);
         if (itself) hits = after(hits, i, j);
-        // Comparing eight vertices with eight costs more than a mispredicted branch; comparing four with four costs
-        // less.
-        if (kFour || hits != 0) hits &= ~excluded(i, j, mixed);
+        if (rules_.adjacency) hits = not_adjacent(hits, i, j);
+        if (mixed) hits = allowed(hits, i, j);
         next = emit(hits, i, j, next);
       }
     }
@@ -213,60 +209,25 @@ class Traversal {
   /// Within one leaf: keeps the bits of elements after i, and that of i itself if it is live and self pairs are
   /// requested.
   HWY_INLINE unsigned after(unsigned hits, Index i, Index j) const {
-    const Index first = rules_.self_pairs && lanes_.slots[i] != kNone ? i : i + 1;
+    const Index first = rules_.self_pairs && slots_[i] != kNone ? i : i + 1;
     if (first <= j) return hits;
     return first - j >= kLanes ? 0 : hits & (~0u << (first - j));
   }
 
-  /// Bits of adjacent pairs, unless they are requested, and of pairs that the filter drops.
-  HWY_INLINE unsigned excluded(Index i, Index j, bool mixed) const {
-    unsigned bits = 0;
-    if (rules_.adjacency) {
-      if (lanes_.vertices == 4)
-        bits = adjacent<4>(i, j);
-      else if (lanes_.vertices == 8)
-        bits = adjacent<8>(i, j);
-      else
-        bits = adjacent_large(i, j);
-    }
-    if (mixed) bits |= dropped(i, j);
-    return bits;
+  /// The bits of pairs that are not adjacent, and of those that the filter allows.
+  HWY_INLINE unsigned not_adjacent(unsigned hits, Index i, Index j) const {
+    return keep(hits, i, j, [&](Index a, Index b) { return !rules_.adjacency->adjacent(a, b); });
   }
-
-  template <std::size_t kVertices>
-  HWY_INLINE unsigned adjacent(Index i, Index j) const {
-    const hn::CappedTag<std::uint32_t, kLanes> d;
-    unsigned bits = 0;
-    for (Index l = 0; l < kLanes; l += static_cast<Index>(hn::Lanes(d))) {
-      auto same = hn::Eq(hn::Set(d, lanes_.ids[i]), hn::LoadU(d, lanes_.ids + j + l));
-      for (std::size_t u = 0; u < kVertices; ++u) {
-        const auto id = hn::Set(d, lanes_.ids[u * lanes_.stride + i]);
-        for (std::size_t v = 0; v < kVertices; ++v)
-          same = hn::Or(same, hn::Eq(id, hn::LoadU(d, lanes_.ids + v * lanes_.stride + j + l)));
-      }
-      std::uint8_t mask[8];
-      hn::StoreMaskBits(d, same, mask);
-      bits |= unsigned{mask[0]} << l;
-    }
-    return bits;
-  }
-
-  HWY_NOINLINE unsigned adjacent_large(Index i, Index j) const {
-    return lane_bits(i, j, [&](Index a, Index b) { return rules_.adjacency->adjacent(a, b); });
-  }
-
-  HWY_NOINLINE unsigned dropped(Index i, Index j) const {
+  HWY_NOINLINE unsigned allowed(unsigned hits, Index i, Index j) const {
     const FilterKeys& keys = *rules_.keys;
-    return lane_bits(i, j, [&](Index a, Index b) { return !keys.allowed(keys.key(a), keys.key(b)); });
+    return keep(hits, i, j, [&](Index a, Index b) { return keys.allowed(keys.key(a), keys.key(b)); });
   }
-
   template <class F>
-  HWY_INLINE unsigned lane_bits(Index i, Index j, F&& f) const {
-    unsigned bits = 0;
-    for (Index l = 0; l < kLanes; ++l)
-      if (lanes_.slots[i] != kNone && lanes_.slots[j + l] != kNone)
-        bits |= unsigned{f(lanes_.slots[i], lanes_.slots[j + l])} << l;
-    return bits;
+  HWY_INLINE unsigned keep(unsigned hits, Index i, Index j, F&& f) const {
+    unsigned kept = 0;
+    for (unsigned rest = hits; rest != 0; rest &= rest - 1)
+      if (f(slots_[i], slots_[j + static_cast<Index>(std::countr_zero(rest))])) kept |= rest & -rest;
+    return kept;
   }
 
   /// Writes the pairs whose bits are set, without a branch: every pair is written to the next position, which advances
@@ -274,13 +235,13 @@ class Traversal {
   HWY_INLINE ElementPair* emit(unsigned hits, Index i, Index j, ElementPair* next) const {
 #if HWY_TARGET == HWY_SCALAR
     for (Index l = 0; l < kLanes; ++l) {
-      *next = {std::min(lanes_.slots[i], lanes_.slots[j + l]), std::max(lanes_.slots[i], lanes_.slots[j + l])};
+      *next = {std::min(slots_[i], slots_[j + l]), std::max(slots_[i], slots_[j + l])};
       next += hits >> l & 1;
     }
 #else
     const hn::CappedTag<std::uint32_t, kLanes> d;
     const hn::RepartitionToWide<decltype(d)> pair;
-    const auto a = hn::Set(d, lanes_.slots[i]), b = hn::LoadU(d, lanes_.slots + j);
+    const auto a = hn::Set(d, slots_[i]), b = hn::LoadU(d, slots_ + j);
     const auto low = hn::Min(a, b), high = hn::Max(a, b);
     const auto first = hn::BitCast(pair, hn::InterleaveLower(d, low, high));
     const auto second = hn::BitCast(pair, hn::InterleaveUpper(d, low, high));
@@ -297,7 +258,7 @@ class Traversal {
   }
 
   const TreeNode* const nodes_;
-  const LeafLanes lanes_;
+  const Index* const slots_;
   const AdjacentLeaves& adjacent_;
   const float* const node_rows_;
   const float* const element_rows_;

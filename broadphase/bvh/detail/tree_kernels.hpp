@@ -16,7 +16,7 @@ struct NodePair {
 
 struct RefitArrays {
   const TreeNode* nodes;
-  const ElementList* list;
+  const ElementList* list;  ///< its positions
   const BoundsTable* vertices;
   BoundsTable* node_bounds;
   BoundsTable* element_bounds;

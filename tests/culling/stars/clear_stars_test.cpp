@@ -259,6 +259,13 @@ class KeptStars {
     SerialExecutor serial;
     return suspect_after(from, to, serial);
   }
+  /// Adds a tetrahedron with vertices of its own to the mesh and to `positions`.
+  void add_far_away(std::vector<Vec3>& positions) {
+    const Index v = topology_.mesh().vertex_count();
+    topology_.apply(
+        {{}, {1000, 1001, 1002, 1003}, {{ElementType::tetrahedron, {v, v + 1, v + 2, v + 3}, {}, 0, 1000}}});
+    for (const Vec3& p : {Vec3(90, 0, 0), Vec3(91, 0, 0), Vec3(90, 1, 0), Vec3(90, 0, 1)}) positions.push_back(p);
+  }
 
  private:
   Topology topology_;
@@ -271,6 +278,15 @@ TEST(ClearStars, AreCheckedAgainAfterAJump) {
     EXPECT_FALSE(steps.suspect_after(p.once, p.once));
     EXPECT_TRUE(steps.suspect_after(p.twice, p.twice));
     EXPECT_FALSE(steps.suspect_after(p.once, p.once));
+  }
+}
+
+TEST(ClearStars, AreCheckedAgainAfterAJumpInWhichVerticesAreAdded) {
+  for (WindingPoses p : winding_poses()) {
+    KeptStars steps(p.shape);
+    EXPECT_FALSE(steps.suspect_after(p.once, p.once));
+    steps.add_far_away(p.twice);
+    EXPECT_TRUE(steps.suspect_after(p.twice, p.twice));
   }
 }
 
