@@ -77,11 +77,13 @@ struct CompareOptions {
 int compare(const CompareOptions& options) {
   const Report report(options.report);
   const RecordComparison result = compare_records(options.a, options.b);
+  std::vector<double> drifts;
+  for (const RecordComparison::Drift& drift : result.drifts) drifts.push_back(drift.ratio);
   report.write("experiment compare", {{"compared", result.compared},
                                       {"slower", result.slower},
                                       {"faster", result.faster},
                                       {"other_counts", result.other_counts},
-                                      {"drifts", result.drifts},
+                                      {"drifts", drifts},
                                       {"single", result.single},
                                       {"only_on_one_side", result.only_on_one_side},
                                       {"without_times", result.without_times},
@@ -89,11 +91,11 @@ int compare(const CompareOptions& options) {
   if (result.slower + result.faster + result.other_counts > 0) report.print("{}\n", result.table.text(report.width()));
   report.print("{} compared: {} slower, {} faster beyond the tolerance, {} with other counts\n", result.compared,
                result.slower, result.faster, result.other_counts);
-  if (!result.drifts.empty())
+  if (!drifts.empty())
     report.print(
-        "all pipelines of a scene together: {:.2f} to {:.2f} times the time, which is neither slower nor faster\n"
-        "(`scripts/benchmark-guard` tells whether it is the machine or what they share)\n",
-        result.drifts.front(), result.drifts.back());
+        "all pipelines of a scene together: {:.2f} to {:.2f} times the time, {:.2f} on the median scene\n"
+        "(`scripts/benchmark-guard` tells whether the latter is the machine or what all of them share)\n",
+        drifts.front(), drifts.back(), drifts[drifts.size() / 2]);
   if (result.single > 0)
     report.print("{} with a single round: their tolerance is {:.0f} %\n", result.single, 100 * kMaxTimeTolerance);
   if (!result.without_times.empty())
@@ -126,7 +128,8 @@ void add_compare_command(CLI::App& command, Action& action) {
       "Exit code 1 if anything is slower by more than its tolerance, if counts differ, or if one folder alone has a "
       "record, an entrant or a step. A time is compared with the median of all pipelines on the same scene "
       "(\"of all\"), because machines change their speed. The tolerance is the spread of the rounds, at least 3 % and "
-      "at most 25 %; with a single round it is 25 %.\n"
+      "at most 25 %; with a single round it is 25 %. What all pipelines of a scene changed by is compared with the "
+      "median scene, with 25 %.\n"
       "Example:\n  volccd experiment compare results/ build/results/");
   options->report.add_to(*compare_command);
   compare_command->callback([options, &action] { action = [options] { return compare(*options); }; });

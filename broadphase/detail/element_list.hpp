@@ -11,7 +11,7 @@
 namespace volccd::detail {
 
 /// A view: the slots of elements by position, kNone for the gap that a removed element left, and a table with their
-/// vertices. Those are not copied in the order of the list: the table has each element's in one cache line.
+/// vertices. Those are not copied in the order of the list: the table has four or eight in a row by slot.
 struct ElementList {
   std::span<const Index> slots;
   const Adjacency& elements;  ///< of the topology of the step

@@ -153,14 +153,15 @@ void note_missing(const Map& a, const Map& b, const std::string& what, RecordCom
 }
 
 /// Sets the drift of the changes, and appends those of all questions.
-void find_drifts(const Entrants& entrants, std::map<std::string, Change>& changes, std::vector<double>& drifts) {
+void find_drifts(const std::string& name, const Entrants& entrants, std::map<std::string, Change>& changes,
+                 std::vector<RecordComparison::Drift>& drifts) {
   std::map<std::string, std::vector<double>> questions;
   for (const auto& [key, change] : changes) questions[entrants.at(key).question].push_back(change.ratio());
   for (auto& [key, change] : changes)
-    if (const auto& ratios = questions.at(entrants.at(key).question); ratios.size() >= kMinEntrantsForDrift)
+    if (const auto& ratios = questions.at(entrants.at(key).question); ratios.size() >= kMinForDrift)
       change.drift = median(ratios);
   for (const auto& [question, ratios] : questions)
-    if (ratios.size() >= kMinEntrantsForDrift) drifts.push_back(median(ratios));
+    if (ratios.size() >= kMinForDrift) drifts.push_back({fmt::format("{}, {}", name, question), median(ratios)});
 }
 
 void compare(const std::string& name, const Entrants& a, const Entrants& b, RecordComparison& result) {
@@ -172,7 +173,7 @@ void compare(const std::string& name, const Entrants& a, const Entrants& b, Reco
     const Change change = change_of(entrant.steps, other->second.steps);
     if (change.steps > 0) changes[key] = change;
   }
-  find_drifts(a, changes, result.drifts);
+  find_drifts(name, a, changes, result.drifts);
   for (const auto& [key, change] : changes) {
     const bool slower = change.slower(), faster = change.faster();
     ++result.compared;
@@ -188,6 +189,22 @@ void compare(const std::string& name, const Entrants& a, const Entrants& b, Reco
                       : faster ? "faster"
                                : "-",
                       change.same_counts ? "same" : "OTHER"});
+  }
+}
+
+void compare_drifts(RecordComparison& result) {
+  std::vector<RecordComparison::Drift>& drifts = result.drifts;
+  std::sort(drifts.begin(), drifts.end(), [](const auto& a, const auto& b) { return a.ratio < b.ratio; });
+  if (drifts.size() < kMinForDrift) return;
+  const double middle = drifts[drifts.size() / 2].ratio;
+  for (const auto& [question, ratio] : drifts) {
+    const bool slower = ratio > middle * (1 + kMaxTimeTolerance), faster = ratio < middle / (1 + kMaxTimeTolerance);
+    result.slower += slower;
+    result.faster += faster;
+    if (slower || faster)
+      result.table.add({question, "all pipelines", "-", "-", fmt::format("{:.3f}", ratio),
+                        fmt::format("{:.3f}", middle), fmt::format("{:.1f} %", 100 * kMaxTimeTolerance),
+                        slower ? "slower" : "faster", "-"});
   }
 }
 
@@ -212,7 +229,7 @@ RecordComparison compare_records(const std::string& folder_a, const std::string&
     note_missing(a, b, name + ", entrants ", result);
     compare(name, a, b, result);
   }
-  std::sort(result.drifts.begin(), result.drifts.end());
+  compare_drifts(result);
   if (result.compared == 0)
     throw InputError(folder_b, "",
                      "has no row in common with " + folder_a + "; both are folders that `experiment run` filled");

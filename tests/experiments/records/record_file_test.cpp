@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -141,7 +142,7 @@ TEST_F(CompareRecords, ChangesAreAgainstTheOtherEntrantsOfTheQuestion) {
   const RecordComparison drifted = compared(before, after);
   EXPECT_EQ(0u, drifted.slower + drifted.faster);
   ASSERT_EQ(1u, drifted.drifts.size());
-  EXPECT_NEAR(1.5, drifted.drifts[0], 1e-12);
+  EXPECT_NEAR(1.5, drifted.drifts[0].ratio, 1e-12);
   EXPECT_EQ(1u, compared(before, one_slower).slower);
   EXPECT_EQ(0u, compared(after, before).faster);
   std::vector<json> elsewhere = before;  // another scene does not excuse it
@@ -150,6 +151,25 @@ TEST_F(CompareRecords, ChangesAreAgainstTheOtherEntrantsOfTheQuestion) {
   both.insert(both.end(), elsewhere.begin(), elsewhere.end());
   before.insert(before.end(), elsewhere.begin(), elsewhere.end());
   EXPECT_EQ(1u, compared(before, both).slower);
+}
+
+/// A machine that has become slower changes all scenes alike.
+TEST_F(CompareRecords, AScenesDriftIsAgainstThatOfTheOtherScenes) {
+  const auto rows = [](const std::vector<double>& seconds_of_scenes) {
+    std::vector<json> all;
+    for (std::size_t scene = 0; scene < seconds_of_scenes.size(); ++scene)
+      for (const char* pipeline : {"NavCCD", "VolCCD", "VolCCD+"})
+        for (const json& row : entrant_rows({seconds_of_scenes[scene], 1.01 * seconds_of_scenes[scene]},
+                                            {{"pipeline", pipeline}, {"scene", "s" + std::to_string(scene)}}))
+          all.push_back(row);
+    return all;
+  };
+  const std::vector<json> before = rows({1, 2, 3});
+  EXPECT_EQ(1u, compared(before, rows({1, 2.6, 3})).slower);
+  EXPECT_EQ(1u, compared(rows({1, 2.6, 3}), before).faster);
+  EXPECT_EQ(0u, compared(before, rows({1, 2.4, 3})).slower);
+  EXPECT_EQ(0u, compared(before, rows({1.5, 3, 4.5})).slower);
+  EXPECT_EQ(1u, compared(before, rows({1.5, 3, 6})).slower);
 }
 
 /// The factors that the help text promises to see.
