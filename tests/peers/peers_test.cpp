@@ -147,8 +147,8 @@ TEST(Peers, TellTheirMemory) {
   for (const Variant& variant : variants()) {
     const auto state = variant.phase->make_state();
     variant.phase->prepare(scene.step(), *state, executor);
-    EXPECT_GT(state->bytes(), shape.elements.size() * 120)
-        << variant.name << ": boxes and lists alone are about 80 bytes an element";
+    EXPECT_GT(state->bytes(), shape.elements.size() * 80)
+        << variant.name << ": boxes and slots alone are about 50 bytes an element";
     EXPECT_LT(state->bytes(), shape.elements.size() * 4096 + 40000000) << variant.name;
   }
 }
