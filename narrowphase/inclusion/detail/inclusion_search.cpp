@@ -137,7 +137,7 @@ class InclusionSearch {
   /// not apart as far as an axis proves.
   bool near_at_start() const {
     if (apart_at_start()) return false;
-    if (separation_ == 0 || certainly_within(0)) return true;
+    if (separation_ == 0) return true;
     return compare_distance({test_.kind(), kPoints, points_}, 0, separation_) <= 0;
   }
 
@@ -149,7 +149,8 @@ class InclusionSearch {
   }
 
   InclusionAnswer run(double t_max) {
-    if (share_a_point_at_start(test_.kind(), points_)) return {.outcome = Outcome::touch, .at_start = true};
+    if (share_a_point_at_start(test_.kind(), points_) || (test_.separation() > 0 && certainly_within(0)))
+      return {.outcome = Outcome::touch, .at_start = true};
     InclusionAnswer open{Outcome::apart};  // the first interval that remains open, if any
     stack_.push({0, 1, 0});
     for (; !stack_.empty(); ++examined_) {
@@ -161,7 +162,7 @@ class InclusionSearch {
       if (prove_free_at_once(piece)) continue;
       locate_likely_contact(piece);
       if (test_.separation() > 0) {
-        if (certainly_within(interval.lo)) return touch(interval.lo);  // all earlier intervals are free
+        if (interval.lo > 0 && certainly_within(interval.lo)) return touch(interval.lo);  // all before are free
         if (certainly_within(interval.hi)) {
           if (interval.hi - interval.lo <= tolerance_) return touch(interval.lo);
           if (interval.level < kLevelsOfThree && split_at_approach(interval)) continue;
