@@ -82,6 +82,9 @@ TEST(Inclusion, CloserThanTheSeparationAtTheStartIsFlagged) {
   }
   EXPECT_TRUE(against_triangle({{0.25, 0.25, 0}, {0.25, 0.25, 1}}).at(0).at_start);
   EXPECT_FALSE(against_triangle({{0.25, 0.25, 0.75}, {0.25, 0.25, 0}}, 0.5).at(0).at_start);
+  // Exactly as far apart as the separation, and one rounding further.
+  EXPECT_TRUE(against_triangle({{0.25, 0.25, 0.5}, {0.25, 0.25, 0}}, 0.5).at(0).at_start);
+  EXPECT_FALSE(against_triangle({{0.25, 0.25, std::nextafter(0.5, 1.0)}, {0.25, 0.25, 0}}, 0.5).at(0).at_start);
 }
 
 TEST(Inclusion, PartsLeaveNoGap) {
