@@ -22,15 +22,17 @@ HWY_INLINE double size_of(const float* row) {
   return sum >= 0 ? sum * sum : 0;
 }
 
+/// `first`: the first position of the range of nodes; another thread may reorder those before it.
 template <int kWidth>
-void refit_leaf(const RefitArrays& t, Index node) {
+void refit_leaf(const RefitArrays& t, Index node, Index first) {
   constexpr Index ahead = 12;  // leaves are processed in descending order; their rows are prefetched this far ahead
   const Index begin = t.nodes[node].begin, end = t.nodes[node].end;
   double elements = 0;
   for (Index p = begin; p < end; ++p) {
-    if (p >= ahead && t.list->slot(p - ahead) != kNone)
+    if (p >= first + ahead && t.list->slot(p - ahead) != kNone)
       for (const Index v : t.list->vertices(p - ahead)) hwy::Prefetch(t.vertices->row(v));
-    if (p >= 2 * ahead && t.list->slot(p - 2 * ahead) != kNone) hwy::Prefetch(t.list->vertices(p - 2 * ahead).data());
+    if (p >= first + 2 * ahead && t.list->slot(p - 2 * ahead) != kNone)
+      hwy::Prefetch(t.list->vertices(p - 2 * ahead).data());
     float* const row = t.element_bounds->row(p);
     if (t.list->slot(p) == kNone) {
       make_empty<kWidth>(row);
@@ -51,7 +53,7 @@ void refit_kernel(const RefitArrays& t, Index begin, Index end) {
     for (Index node = end; node-- > begin;) {
       const Index left = node + 1, right = t.nodes[node].right;
       if (right == 0) {
-        refit_leaf<width>(t, node);
+        refit_leaf<width>(t, node, t.nodes[begin].begin);
         continue;
       }
       const float* const halves[] = {t.node_bounds->row(left), t.node_bounds->row(right)};
