@@ -59,7 +59,7 @@ class KdopTree {
   /// Sets the keys of all nodes.
   void set_keys(const FilterKeys& keys);
 
-  /// Elements by position, kNone for a gap. kPadding more, and their bounds, may be read; they are gaps.
+  /// Elements by position, kNone for a gap. kPadding more slots, kNone, and their bounds, without meaning, may be read.
   std::span<const Index> slots() const { return std::span(slots_).first(size()); }
   const std::vector<TreeNode>& nodes() const { return nodes_; }
   const BoundsTable& node_bounds() const { return node_bounds_; }
