@@ -51,6 +51,15 @@ void offer_crossing_edges(const Differences& d, ClosestPoints& best) {
   if (s >= 0 && s <= 1 && u >= 0 && u <= 1) offer(FeatureKind::ee, d, {1 - s, s, 1 - u, u}, best);
 }
 
+/// v without its component along e. Two iterations are sufficient: the second corrects the cancellation error of the
+/// first.
+Vec3 across(Vec3 v, const Vec3& e) {
+  const double length = e.squaredNorm();
+  if (!(length > 0)) return v;
+  for (int round = 0; round < 2; ++round) v -= (v.dot(e) / length) * e;
+  return v;
+}
+
 }  // namespace
 
 ClosestPoints closest_points(FeatureKind kind, const Differences& d) {
@@ -93,6 +102,37 @@ bool clearly_apart(FeatureKind kind, const Differences& d, double distance, doub
   const double n1 = n.lpNorm<1>(), m = m1.lpNorm<1>() + m2.lpNorm<1>();
   const double rounding = 64 * kUnitRoundoff * (n1 + m) * size * size;
   return min < -(n1 * 4 * size * distance + 2 * rounding);
+}
+
+Vec3 separating_axis(FeatureKind kind, const Differences& d, const ClosestPoints& closest) {
+  const std::array<double, 4>& w = closest.weights;
+  if (kind == FeatureKind::vf) {
+    const Vec3 e01 = d[1] - d[0], e02 = d[2] - d[0], e12 = d[2] - d[1];
+    if (w[1] > 0 && w[2] > 0 && w[3] > 0) return across(across(Vec3(e01.cross(e02)), e01), e02);
+    if (w[1] > 0 && w[2] > 0) return across(closest.separation, e01);
+    if (w[1] > 0 && w[3] > 0) return across(closest.separation, e02);
+    if (w[2] > 0 && w[3] > 0) return across(closest.separation, e12);
+    return closest.separation;
+  }
+  const Vec3 &first = d[0], second = d[2] - d[1];
+  const bool in_first = w[0] > 0 && w[1] > 0, in_second = w[2] > 0 && w[3] > 0;
+  if (in_first && in_second) {
+    const Vec3 n = first.cross(second);
+    // Parallel edges: any direction perpendicular to both is suitable.
+    return n.squaredNorm() > 0x1p-60 * first.squaredNorm() * second.squaredNorm() ? across(across(n, first), second)
+                                                                                  : across(closest.separation, first);
+  }
+  if (in_first) return across(closest.separation, first);
+  if (in_second) return across(closest.separation, second);
+  return closest.separation;
+}
+
+std::array<Vec3, 5> close_axes(FeatureKind kind, const Differences& d, const Vec3& separation) {
+  const bool vf = kind == FeatureKind::vf;
+  const Vec3 first = vf ? Vec3(d[1] - d[0]) : d[0], second = d[2] - (vf ? d[0] : d[1]);
+  return {separation, across(separation, first), across(separation, second),
+          vf ? across(separation, d[2] - d[1]) : across(across(separation, first), second),
+          across(across(first.cross(second), first), second)};
 }
 
 }  // namespace volccd::detail

@@ -28,6 +28,18 @@ inline Vec3 separation_of(FeatureKind kind, const Differences& d, const std::arr
 /// slivers.
 ClosestPoints closest_points(FeatureKind kind, const Differences& d);
 
+/// The direction between the closest points at one time, for projections that separate the features. The difference of
+/// these points has an error of about a unit of roundoff of the size. If it is small, its direction is inaccurate, and
+/// a plane perpendicular to it may intersect long features that it should separate. Therefore the direction is made
+/// perpendicular to the edges and triangles in whose interiors the closest points are. Neither its length nor its sign
+/// has a meaning.
+Vec3 separating_axis(FeatureKind kind, const Differences& d, const ClosestPoints& closest);
+
+/// Candidates for that direction for features that are nearer than about 2^-26 times their size. For these, rounding
+/// determines in which edges the closest points seem to be: the nearest point of a sliver may be a corner although an
+/// edge is almost as close. Therefore every choice of edges to which the axis is perpendicular is tried.
+std::array<Vec3, 5> close_axes(FeatureKind kind, const Differences& d, const Vec3& separation);
+
 /// True only if the features are further apart than `distance`. This cheap test decides most pairs that are coplanar
 /// and side by side. Pre: `size` is at least the largest coordinate of `d`.
 bool clearly_apart(FeatureKind kind, const Differences& d, double distance, double size);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include <volccd/narrowphase/closest_points.hpp>
 #include <volccd/narrowphase/inclusion/detail/inclusion_bounds.hpp>
 
 namespace volccd::detail {
@@ -13,11 +12,6 @@ namespace volccd::detail {
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 inline Vec3 between(const Vec3& a, const Vec3& b, double t) { return (1 - t) * a + t * b; }
-
-inline double length_bound(const Vec3& v) {
-  const double square = v.squaredNorm();
-  return square > kMinSquare ? std::sqrt(square) : v.lpNorm<1>();
-}
 
 template <int kPoints>
 BoundedTest<kPoints>::BoundedTest(FeatureKind kind, const TestPoints& x, double separation) : kind_(kind) {
@@ -53,22 +47,7 @@ void BoundedTest<kPoints>::measure() {
                            a.z() * (b.x() * c.y() + b.y() * c.x());
   coplanarity_error_ = determinant_error_factor(kPoints, kPoints - 1) * permanent;
   coplanarity_underflow_ = kDeterminantUnderflow * (1 + a.sum());
-  if (separation_ == 0) return;
-  double first = 0, second = 0;
-  for (std::size_t k = 0; k < kPoints; ++k) {
-    const Vec3 &d1 = differences_[0][k], &d2 = differences_[1][k], &d3 = differences_[2][k];
-    first = std::max(first, length_bound(kind_ == FeatureKind::vf ? Vec3(d2 - d1) : d1));
-    second = std::max(second, length_bound(kind_ == FeatureKind::vf ? Vec3(d3 - d1) : Vec3(d3 - d2)));
-  }
-  // The sides were computed from rounded differences, with errors of a few units of roundoff relative to the extent.
-  const double slack = 16 * kUnitRoundoff * extent_.sum();
-  coplanarity_within_separation_ = separation_ * kAreaSlack * std::max((first + slack) * (second + slack), kMinSquare);
-  gap_error_ = kDistanceError * extent_.sum() + 32 * kUnitRoundoff * separation_;
-}
-
-template <int kPoints>
-double BoundedTest<kPoints>::gap(double t) const {
-  return std::sqrt(closest_points(kind_, at(t)).squared_distance) - separation_;
+  distance_error_ = kDistanceError * extent_.sum() + 32 * kUnitRoundoff * separation_;
 }
 
 template <int kPoints>

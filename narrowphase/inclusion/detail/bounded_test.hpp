@@ -32,15 +32,12 @@ class BoundedTest {
   /// order of kDeterminantUnderflow.
   double coplanarity_error() const { return coplanarity_error_; }
   double coplanarity_underflow() const { return coplanarity_underflow_; }
-  /// Upper bound on the magnitude of the polynomial at any time when the features are within the separation.
-  double coplanarity_within_separation() const { return coplanarity_within_separation_; }
+  /// Bound on the error of the difference between the distance of closest_points() at any time, which is that of two
+  /// points of the features, and the separation.
+  double distance_error() const { return distance_error_; }
 
   /// Differences at time t, rounded.
   Differences at(double t) const;
-
-  /// Distance of the features at time t minus the separation, with an error of less than gap_error().
-  double gap(double t) const;
-  double gap_error() const { return gap_error_; }
 
  private:
   void store_differences(const TestPoints& x, double separation, double scale);
@@ -52,7 +49,7 @@ class BoundedTest {
   std::array<Vec3, 3> extents_;
   Vec3 extent_;
   bool rigid_ = false;
-  double coplanarity_error_ = 0, coplanarity_underflow_ = 0, coplanarity_within_separation_ = 0, gap_error_ = 0;
+  double coplanarity_error_ = 0, coplanarity_underflow_ = 0, distance_error_ = 0;
 };
 
 }  // namespace volccd::detail

@@ -22,7 +22,16 @@ inline constexpr double kCubicErrorSlack = 2;
 
 /// The distance of closest_points() is that of two points of the features up to an error of this factor times the sum
 /// of the extents, for up to three control points: 12 u per axis, for both features.
-inline constexpr double kDistanceError = 64 * kUnitRoundoff;
+inline constexpr double kDistanceError = 40 * kUnitRoundoff;
+
+/// Bernstein coefficients of degree 4 of the gap along an axis that turns (a curve of second degree), each times its
+/// binomial, over an interval of the step that was computed with n levels of de Casteljau's algorithm. The error is
+/// less than binomial * (factor * S + kGapUnderflow), S from the extents and the greatest magnitudes of the curve's
+/// points.
+constexpr double curve_error_factor(int levels) { return (16 + 6 * levels) * kUnitRoundoff; }
+/// A coefficient of (|n|^2 + 1) / 2, which is at least the length |n| of the curve n, multiplied by a separation: its
+/// error is less than binomial / 2 * factor * (1 + |n|^2), with the greatest magnitudes of the curve's points.
+inline constexpr double kCurveLengthError = 16 * kUnitRoundoff;
 
 /// Half of the length of the interval around a root in which the features are examined first.
 inline constexpr double kRootMargin = 0x1p-16;

@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 
 #include <volccd/narrowphase/closest_points.hpp>
-#include <volccd/narrowphase/exact/exact_predicates.hpp>
 #include <volccd/narrowphase/inclusion/detail/flat_motion.hpp>
 #include <volccd/narrowphase/inclusion/detail/motion_piece.hpp>
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
@@ -55,54 +54,6 @@ class IntervalStack {
   std::size_t size_ = 0;
 };
 
-/// v without its component along e. Two iterations are sufficient: the second corrects the cancellation error of the
-/// first.
-Vec3 across(Vec3 v, const Vec3& e) {
-  const double length = e.squaredNorm();
-  if (!(length > 0)) return v;
-  for (int round = 0; round < 2; ++round) v -= (v.dot(e) / length) * e;
-  return v;
-}
-
-/// The direction between the closest points. The difference of these points has an error of about a unit of roundoff of
-/// the size. If the difference is small, its direction is inaccurate, and a plane perpendicular to it may intersect
-/// long features that it should separate. Therefore the direction is made perpendicular to the edges and triangles in
-/// whose interiors the closest points are.
-Vec3 separating_axis(FeatureKind kind, const Differences& d, const ClosestPoints& closest) {
-  const std::array<double, 4>& w = closest.weights;
-  if (kind == FeatureKind::vf) {
-    const Vec3 e01 = d[1] - d[0], e02 = d[2] - d[0], e12 = d[2] - d[1];
-    if (w[1] > 0 && w[2] > 0 && w[3] > 0) return across(across(Vec3(e01.cross(e02)), e01), e02);
-    if (w[1] > 0 && w[2] > 0) return across(closest.separation, e01);
-    if (w[1] > 0 && w[3] > 0) return across(closest.separation, e02);
-    if (w[2] > 0 && w[3] > 0) return across(closest.separation, e12);
-    return closest.separation;
-  }
-  const Vec3 &first = d[0], second = d[2] - d[1];
-  const bool in_first = w[0] > 0 && w[1] > 0, in_second = w[2] > 0 && w[3] > 0;
-  if (in_first && in_second) {
-    const Vec3 n = first.cross(second);
-    // Parallel edges: any direction perpendicular to both is suitable.
-    return n.squaredNorm() > 0x1p-60 * first.squaredNorm() * second.squaredNorm() ? across(across(n, first), second)
-                                                                                  : across(closest.separation, first);
-  }
-  if (in_first) return across(closest.separation, first);
-  if (in_second) return across(closest.separation, second);
-  return closest.separation;
-}
-
-/// Candidates for the direction between the closest points of features that are nearer than about 2^-26 times their
-/// size. For these, rounding determines in which edges the closest points seem to be: the nearest point of a sliver may
-/// be a corner although an edge is almost as close. Therefore every choice of edges to which the axis is perpendicular
-/// is tried.
-std::array<Vec3, 5> close_axes(FeatureKind kind, const Differences& d, const Vec3& separation) {
-  const bool vf = kind == FeatureKind::vf;
-  const Vec3 first = vf ? Vec3(d[1] - d[0]) : d[0], second = d[2] - (vf ? d[0] : d[1]);
-  return {separation, across(separation, first), across(separation, second),
-          vf ? across(separation, d[2] - d[1]) : across(across(separation, first), second),
-          across(across(first.cross(second), first), second)};
-}
-
 /// Whether all differences of the points are exactly constant, not only after rounding.
 template <int kPoints>
 bool moves_as_one(const TestPoints& x) {
@@ -126,20 +77,8 @@ bool share_a_point_at_start(FeatureKind kind, const TestPoints& x) {
 template <int kPoints>
 class InclusionSearch {
  public:
-  InclusionSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int max_intervals)
-      : points_(x),
-        separation_(separation),
-        test_(kind, x, separation),
-        tolerance_(tolerance),
-        max_intervals_(max_intervals) {}
-
-  /// Whether the features touch or are within the separation at t = 0. Exact with a separation; without one, they are
-  /// not apart as far as an axis proves.
-  bool near_at_start() const {
-    if (apart_at_start()) return false;
-    if (separation_ == 0) return true;
-    return compare_distance({test_.kind(), kPoints, points_}, 0, separation_) <= 0;
-  }
+  InclusionSearch(FeatureKind kind, const TestPoints& x, double tolerance, int max_intervals)
+      : points_(x), test_(kind, x, 0), tolerance_(tolerance), max_intervals_(max_intervals) {}
 
   /// Whether an axis separates the features at t = 0.
   bool apart_at_start() const {
@@ -149,8 +88,6 @@ class InclusionSearch {
   }
 
   InclusionAnswer run(double t_max) {
-    if (share_a_point_at_start(test_.kind(), points_) || (test_.separation() > 0 && certainly_within(0)))
-      return {.outcome = Outcome::touch, .at_start = true};
     InclusionAnswer open{Outcome::apart};  // the first interval that remains open, if any
     stack_.push({0, 1, 0});
     for (; !stack_.empty(); ++examined_) {
@@ -161,13 +98,6 @@ class InclusionSearch {
       MotionPiece<kPoints> piece(test_, interval.lo, interval.hi);
       if (prove_free_at_once(piece)) continue;
       locate_likely_contact(piece);
-      if (test_.separation() > 0) {
-        if (interval.lo > 0 && certainly_within(interval.lo)) return touch(interval.lo);  // all before are free
-        if (certainly_within(interval.hi)) {
-          if (interval.hi - interval.lo <= tolerance_) return touch(interval.lo);
-          if (interval.level < kLevelsOfThree && split_at_approach(interval)) continue;
-        }
-      }
       // The root decides, and the polynomial determines its position; therefore a short interval around it is examined
       // first.
       if (interval.level == 0 && crossing(piece)) {
@@ -185,7 +115,6 @@ class InclusionSearch {
         continue;
       }
       if (try_close_axes(piece)) continue;
-      if (test_.separation() > 0) return unsettled(undecided(interval.lo));
       if (test_.rigid() && moves_as_one<kPoints>(points_)) return is_open ? open : undecided(interval.lo);
       if (!is_open) {
         open = undecided(interval.lo);
@@ -259,7 +188,7 @@ class InclusionSearch {
 
   /// Computes the closest points at the likely time of contact.
   void locate_likely_contact(const MotionPiece<kPoints>& piece) {
-    root_ = test_.separation() > 0 ? 0.5 : piece.likely_root();
+    root_ = piece.likely_root();
     likely_ = test_.at(piece.lo() + root_ * (piece.hi() - piece.lo()));
   }
 
@@ -269,7 +198,6 @@ class InclusionSearch {
     closest_ = closest_points(test_.kind(), likely_);
     const Vec3 axis = separating_axis(test_.kind(), likely_, closest_);
     if (try_axis(axis, piece)) return true;
-    if (test_.separation() > 0) return search_separating_axis(axis, piece);
     return level >= kLevelsOfThree && !(can_split && seem_to_touch(closest_)) && search_separating_axis(axis, piece);
   }
 
@@ -296,7 +224,7 @@ class InclusionSearch {
   /// be.
   bool try_close_axes(const MotionPiece<kPoints>& piece) {
     const Vec3& between = closest_.separation;
-    if (between.norm() - test_.separation() < kUndecidedDistance / 2 * test_.extent().maxCoeff()) return false;
+    if (between.norm() < kUndecidedDistance / 2 * test_.extent().maxCoeff()) return false;
     for (const Vec3& axis : close_axes(test_.kind(), likely_, between))
       if (try_axis(axis, piece)) return true;
     return false;
@@ -309,7 +237,7 @@ class InclusionSearch {
     return true;
   }
 
-  /// The answer for a certain contact, without a separation.
+  /// The answer for a certain contact.
   InclusionAnswer contact(const MotionPiece<kPoints>& piece) const {
     InclusionAnswer answer{Outcome::apart};
     if (!crossing(piece)) return answer;
@@ -335,40 +263,14 @@ class InclusionSearch {
   InclusionAnswer found(Outcome outcome, double t) const {
     InclusionAnswer answer{outcome};
     answer.toi = t;
-    answer.at_start = t == 0 && near_at_start();
+    answer.at_start = t == 0 && !apart_at_start();
     return answer;
-  }
-
-  bool certainly_within(double t) const { return test_.gap(t) < -test_.gap_error(); }
-
-  /// Splits the interval around the time at which the distance reaches the separation, found by false position
-  /// (Illinois method). The inner interval extends from that time by less than the tolerance to both sides. Pre: the
-  /// features are within the separation at the end of the interval.
-  bool split_at_approach(const Interval& interval) {
-    double a = interval.lo, b = interval.hi, fa = test_.gap(a), fb = test_.gap(b), c = a;
-    if (!(fa > 0)) return false;
-    for (int round = 0; round < 8; ++round) {
-      c = a + (b - a) * (fa / (fa - fb));
-      const double fc = test_.gap(c);
-      if (std::abs(fc) <= test_.gap_error()) break;
-      if (fc > 0) {
-        a = c, fa = fc, fb *= 0.5;
-      } else {
-        b = c, fb = fc, fa *= 0.5;
-      }
-    }
-    const double from = std::max(interval.lo, c - tolerance_ / 4), to = std::min(interval.hi, c + tolerance_ / 4);
-    if (!(from < to)) return false;
-    stack_.push({to, interval.hi, interval.level + 1});
-    stack_.push({from, to, interval.level + 1});
-    stack_.push({interval.lo, from, interval.level + 1});
-    return true;
   }
 
   /// Splits an interval around a likely time of contact down to the shortest interval, because no interval that
   /// contains a contact can be proven free. Returns false, without a change, if there seems to be no such time.
   bool split_around_touch(const MotionPiece<kPoints>& piece, const Interval& interval) {
-    if (test_.separation() > 0 || (interval.level < kLevelsOfThree && crossing(piece))) return false;
+    if (interval.level < kLevelsOfThree && crossing(piece)) return false;
     double t = interval.lo + root_ * (interval.hi - interval.lo);
     if (piece.vanishes() ? !find_touch(interval, t) : !seem_to_touch(closest_)) return false;
     stack_.push(split_down_to(interval, t));
@@ -449,12 +351,9 @@ class InclusionSearch {
   }
 
   /// Whether the features certainly change sides.
-  bool crossing(const MotionPiece<kPoints>& piece) const {
-    return test_.separation() == 0 && piece.sign_at_start() * piece.sign_at_end() < 0;
-  }
+  bool crossing(const MotionPiece<kPoints>& piece) const { return piece.sign_at_start() * piece.sign_at_end() < 0; }
 
   const TestPoints& points_;
-  double separation_;  ///< as given; that of test_ is scaled and rounded up
   BoundedTest<kPoints> test_;
   double tolerance_;
   int max_intervals_;
@@ -472,13 +371,13 @@ class InclusionSearch {
 template <int kPoints>
 std::optional<InclusionAnswer> flat_search(FeatureKind kind, const TestPoints& x, int axis, double tolerance,
                                            int max_intervals) {
-  if (!InclusionSearch<kPoints>(kind, x, 0, tolerance, max_intervals).apart_at_start()) return std::nullopt;
+  if (!InclusionSearch<kPoints>(kind, x, tolerance, max_intervals).apart_at_start()) return std::nullopt;
   InclusionAnswer first{Outcome::apart};
   double open = kInfinity, latest = 1;
   for (const FlatEvent& event : flat_events(kind)) {
     const DrawnOutEvent edges(event, x, kPoints, axis);
     const InclusionAnswer answer =
-        InclusionSearch<kPoints>(FeatureKind::ee, edges.points(), 0, tolerance, max_intervals).run(latest);
+        InclusionSearch<kPoints>(FeatureKind::ee, edges.points(), tolerance, max_intervals).run(latest);
     if (answer.outcome == Outcome::undecided) open = std::min(open, answer.toi);
     if (answer.outcome != Outcome::touch || answer.toi > latest) continue;
     first = {.outcome = Outcome::touch, .toi = answer.toi};
@@ -489,21 +388,27 @@ std::optional<InclusionAnswer> flat_search(FeatureKind kind, const TestPoints& x
 }
 
 template <int kPoints>
-InclusionAnswer search(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int max_intervals,
-                       double t_max) {
-  const int axis = separation == 0 ? flat_axis(x, kPoints) : -1;
+InclusionAnswer touch_search(FeatureKind kind, const TestPoints& x, double tolerance, int max_intervals, double t_max) {
+  const int axis = flat_axis(x, kPoints);
   if (axis >= 0)
     if (const auto answer = flat_search<kPoints>(kind, x, axis, tolerance, max_intervals)) return *answer;
-  return InclusionSearch<kPoints>(kind, x, separation, tolerance, max_intervals).run(t_max);
+  return InclusionSearch<kPoints>(kind, x, tolerance, max_intervals).run(t_max);
+}
+
+InclusionAnswer search(FeatureKind kind, const TestPoints& x, int control_points, double separation, double tolerance,
+                       int max_intervals, double t_max) {
+  if (share_a_point_at_start(kind, x)) return {.outcome = Outcome::touch, .at_start = true};
+  if (separation > 0) return separation_search(kind, x, control_points, separation, tolerance, max_intervals, t_max);
+  return control_points == 2 ? touch_search<2>(kind, x, tolerance, max_intervals, t_max)
+                             : touch_search<3>(kind, x, tolerance, max_intervals, t_max);
 }
 
 }  // namespace
 
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
                                  double tolerance, int max_intervals, double t_max) {
-  InclusionAnswer answer = control_points == 2 ? search<2>(kind, x, separation, tolerance, max_intervals, t_max)
-                                               : search<3>(kind, x, separation, tolerance, max_intervals, t_max);
-  if (answer.toi > t_max) answer = {InclusionAnswer::Outcome::apart};
+  InclusionAnswer answer = search(kind, x, control_points, separation, tolerance, max_intervals, t_max);
+  if (answer.toi > t_max) answer = {Outcome::apart};
   return answer;
 }
 

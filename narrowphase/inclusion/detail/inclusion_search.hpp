@@ -1,4 +1,4 @@
-// The search of the `inclusion` narrow phase, for each test that the first passes leave open.
+// The searches of the `inclusion` narrow phase, for each test that the first passes leave open.
 #pragma once
 
 #include <algorithm>
@@ -57,6 +57,11 @@ struct Split {
 /// `max_intervals` intervals. Pre: tolerance > 0, finite coordinates, separation >= 0.
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
                                  double tolerance, int max_intervals, double t_max);
+
+/// The part of it for tests with a separation: contacts are times at which the distance of two points is certainly
+/// less. It may also answer with a contact later than t_max. Pre: separation > 0.
+InclusionAnswer separation_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
+                                  double tolerance, int max_intervals, double t_max);
 
 /// Length of an interval, as a fraction of the step, below which it is not split. Features that are closer than their
 /// motion in that time count as touching.

@@ -51,7 +51,7 @@ bool MotionPiece<kPoints>::prove_never_coplanar() {
           binomial(n, i) * e_[0][static_cast<std::size_t>(i)].dot(normal[static_cast<std::size_t>(k)]);
   bool above = true, below = true;
   for (int k = 0; k <= kDegree; ++k) {
-    const double bound = error(k) + binomial(kDegree, k) * test_.coplanarity_within_separation();
+    const double bound = error(k);
     above = above && b_[static_cast<std::size_t>(k)] > bound;
     below = below && b_[static_cast<std::size_t>(k)] < -bound;
   }
@@ -182,7 +182,36 @@ bool MotionPiece<kPoints>::separated_along(const Vec3& axis) const {
     }
   }
   const double rounding = gap_error_factor(kPoints - 1) * axis.cwiseAbs().dot(test_.extent()) + kGapUnderflow;
-  return std::max(ahead, behind) > rounding + separation_gap(test_.separation(), axis.x(), axis.y(), axis.z());
+  return std::max(ahead, behind) > rounding;
+}
+
+/// Products of the curve and the motion, and the square of the curve's length, as Bernstein coefficients of degree 4,
+/// each times its binomial.
+template <int kPoints>
+bool MotionPiece<kPoints>::separated_along_curve(const AxisCurve& n) const {
+  using Quartic = std::array<double, 5>;
+  const auto along = [&](const Curve& e) {
+    Quartic q{};
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t c = 0; c < kPoints; ++c)
+        q[i + c] += binomial(2, static_cast<int>(i)) * binomial(kPoints - 1, static_cast<int>(c)) * n[i].dot(e[c]);
+    if constexpr (kPoints == 2)
+      for (std::size_t k = 4; k > 0; --k) q[k] += q[k - 1];
+    return q;
+  };
+  const Quartic p1 = along(e_[0]), p2 = along(e_[1]), p3 = along(e_[2]);
+  const Quartic square = {n[0].squaredNorm(), 4 * n[0].dot(n[1]), 2 * n[0].dot(n[2]) + 4 * n[1].squaredNorm(),
+                          4 * n[1].dot(n[2]), n[2].squaredNorm()};
+  const Vec3 greatest = n[0].cwiseAbs().cwiseMax(n[1].cwiseAbs()).cwiseMax(n[2].cwiseAbs());
+  const double rounding = curve_error_factor(kPoints - 1) * greatest.dot(test_.extent()) + kGapUnderflow;
+  const double length_error = kCurveLengthError * (1 + greatest.squaredNorm());
+  for (std::size_t k = 0; k < 5; ++k) {
+    const double weight = binomial(4, static_cast<int>(k)), low = std::min(p2[k], p3[k]);
+    const double gap = test_.kind() == FeatureKind::vf ? std::min(p1[k], low) : low - std::max(p1[k], 0.0);
+    const double length = 0.5 * (square[k] + weight * (1 + length_error));  // of the axis, at most
+    if (!(gap > weight * rounding + test_.separation() * length)) return false;
+  }
+  return true;
 }
 
 template <int kPoints>

@@ -22,7 +22,7 @@ class MotionPiece {
   double hi() const { return hi_; }
 
   /// Computes the Bernstein coefficients of the coplanarity polynomial. True only if they prove that the features are
-  /// further apart than the separation throughout the interval. Must be called before the members below.
+  /// apart throughout the interval. Must be called before the members that use them.
   bool prove_never_coplanar();
   /// Bernstein coefficients, each times binomial(degree, k), and bounds on their errors.
   const std::array<double, kDegree + 1>& coefficients() const { return b_; }
@@ -38,13 +38,17 @@ class MotionPiece {
   double likely_root() const;
 
   /// True only if the polynomial proves that the features do not touch before (after) the local parameter s of the
-  /// interval. Pre: no separation.
+  /// interval.
   bool never_coplanar_before(double s) const;
   bool never_coplanar_after(double s) const;
 
-  /// True only if the projections onto `axis` (any vector) are further apart than the separation throughout the
-  /// interval.
+  /// True only if the projections onto `axis` (any vector) are apart throughout the interval.
   bool separated_along(const Vec3& axis) const;
+  /// Bezier points of an axis that turns during the interval. Any vectors; best if the curve is nearly of length 1.
+  using AxisCurve = std::array<Vec3, 3>;
+  /// True only if the second feature is ahead of the first along the axis, by more than the separation, throughout the
+  /// interval.
+  bool separated_along_curve(const AxisCurve& axis) const;
 
   /// Among the differences of control points of the second feature and control points of the first at equal times, the
   /// one with the smallest component along `axis`. Rounded.
@@ -59,6 +63,7 @@ class MotionPiece {
   double before_first_root(double guess, double tolerance) const;
 
  private:
+  using Curve = typename BoundedTest<kPoints>::Curve;
   /// Bernstein coefficients, times binomials, of direction . (e_i x e_j).
   using Quadric = std::array<double, 2 * kPoints - 1>;
   Quadric quadric(const Vec3& direction, std::size_t i, std::size_t j) const;
@@ -71,7 +76,7 @@ class MotionPiece {
 
   const BoundedTest<kPoints>& test_;
   double lo_, hi_;
-  std::array<std::array<Vec3, kPoints>, 3> e_;
+  std::array<Curve, 3> e_;
   std::array<double, kDegree + 1> b_{};
 };
 

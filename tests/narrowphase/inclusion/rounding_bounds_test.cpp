@@ -67,6 +67,35 @@ TEST(RoundingBounds, GapAlongAnAxis) {
   }
 }
 
+/// As in MotionPiece::separated_along_curve, divided by binomials.
+TEST(RoundingBounds, GapAlongACurve) {
+  for (int n = 1; n <= 2; ++n) {
+    std::vector<Rounded> q(5);
+    const auto add = [](Rounded& sum, Rounded term) { sum = sum.magnitude == 0 ? term : sum + term; };
+    for (int i = 0; i <= 2; ++i)
+      for (int c = 0; c <= n; ++c)
+        add(q[static_cast<std::size_t>(i + c)],
+            scaled(dot(exactly(1), coordinate(n)), binomial(2, i) * binomial(n, c)));
+    if (n == 1)
+      for (std::size_t k = 4; k > 0; --k) add(q[k], q[k - 1]);
+    for (int k = 0; k <= 4; ++k)
+      EXPECT_GE(detail::curve_error_factor(n) / kUnitRoundoff,
+                2 * q[static_cast<std::size_t>(k)].error / (3 * binomial(4, k)))
+          << n << k;
+  }
+}
+
+/// For curves with coordinates of at most 1, as in MotionPiece::separated_along_curve. The factor holds for squares of
+/// the length, 3, in place of that of one coordinate.
+TEST(RoundingBounds, LengthOfACurve) {
+  const Rounded square = dot(exactly(1), exactly(1)), sum = scaled(square, 2) + scaled(square, 4);
+  for (const auto& [q, weight] : {std::pair{square, 1.0}, {scaled(square, 4), 4.0}, {sum, 6.0}}) {
+    const Rounded most = q + exactly(weight) * (exactly(1) + exactly(0));
+    const Rounded bound = exactly(1) * most;
+    EXPECT_GE(detail::kCurveLengthError / kUnitRoundoff, bound.error / (weight * (1 + 3))) << weight;
+  }
+}
+
 TEST(RoundingBounds, SumsOfThreeCoordinates) {
   for (int levels = 0; levels <= 2; ++levels) {
     Rounded x = exactly(1);  // a coordinate itself
