@@ -25,21 +25,6 @@ Vec3 direction(const Vec3& apart, double size) {
   return length > kMinSeparation * size ? Vec3(apart / length) : Vec3(Vec3::Zero());
 }
 
-/// Lengths are in the unit of the points, multiplied by `scale`.
-template <class Points>
-Contact contact_of(FeatureKind kind, const Points& points, double scale, double t, int side, bool apart) {
-  Contact contact;
-  contact.kind = kind;
-  contact.toi = t;
-  const Differences d = points.at(t);
-  const ClosestPoints closest = closest_points(kind, d);
-  contact.normal = apart && side == 0 ? direction(closest.separation, points.size)
-                                      : contact_normal(kind, d, apart ? d : points.at(t - kBefore), points.size, side);
-  contact.weights = closest.weights;
-  contact.gap = std::sqrt(closest.squared_distance) / scale;
-  return contact;
-}
-
 /// Calls use(points, scale) for the differences of the points, scaled if they are not of ordinary size.
 template <class Use>
 auto with_points(const TestPoints& x, int control_points, Use&& use) {
@@ -78,10 +63,25 @@ Vec3 contact_point(FeatureKind kind, const TestPoints& x, double t, const std::a
 
 Contact contact_at(FeatureKind kind, const std::array<Index, 4>& vertices, const TestPoints& x, int control_points,
                    double t, int side, double separation) {
-  Contact contact = with_points(x, control_points, [&](const auto& points, double scale) {
-    return contact_of(kind, points, scale, t, side, separation > 0);
+  return with_points(x, control_points, [&](const auto& points, double scale) {
+    const Differences d = points.at(t);
+    Contact contact = contact_near(kind, vertices, x, control_points, t, {closest_points(kind, d), points.size, scale});
+    const bool apart = separation > 0;
+    if (!apart || side != 0)
+      contact.normal = contact_normal(kind, d, apart ? d : points.at(t - kBefore), points.size, side);
+    return contact;
   });
+}
+
+Contact contact_near(FeatureKind kind, const std::array<Index, 4>& vertices, const TestPoints& x, int control_points,
+                     double t, const ScaledClosestPoints& closest) {
+  Contact contact;
+  contact.kind = kind;
   contact.vertices = vertices;
+  contact.toi = t;
+  contact.normal = direction(closest.points.separation, closest.size);
+  contact.weights = closest.points.weights;
+  contact.gap = std::sqrt(closest.points.squared_distance) / closest.scale;
   contact.point = contact_point(kind, x, t, contact.weights, control_points);
   return contact;
 }

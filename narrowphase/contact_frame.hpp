@@ -31,6 +31,17 @@ Vec3 contact_point(FeatureKind kind, const TestPoints& x, double t, const std::a
 Contact contact_at(FeatureKind kind, const std::array<Index, 4>& vertices, const TestPoints& x, int control_points,
                    double t, int side, double separation = 0);
 
+/// The closest points of the features of a test at one time.
+struct ScaledClosestPoints {
+  ClosestPoints points;
+  double size;   ///< of the test; both are multiplied by the scale
+  double scale;  ///< as in moving_points()
+};
+
+/// The same contact for a separation, from closest points at t that are known.
+Contact contact_near(FeatureKind kind, const std::array<Index, 4>& vertices, const TestPoints& x, int control_points,
+                     double t, const ScaledClosestPoints& closest);
+
 /// The closest points of two features at t = 1.
 ContactEnd contact_end(FeatureKind kind, const TestPoints& x, int control_points);
 

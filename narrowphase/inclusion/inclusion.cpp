@@ -49,7 +49,8 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
     }
   }
   if (answer.outcome == InclusionAnswer::Outcome::apart) return;
-  contacts.push_back(contact_at(kind, vertices, x, points, answer.toi, answer.side, step.separation));
+  contacts.push_back(answer.closest ? contact_near(kind, vertices, x, points, answer.toi, *answer.closest)
+                                    : contact_at(kind, vertices, x, points, answer.toi, answer.side, step.separation));
   contacts.back().at_start = answer.at_start;
 }
 

@@ -4,18 +4,39 @@
 
 namespace volccd::detail {
 
+namespace {
+
+constexpr std::size_t kFewRuns = 8;
+
+/// Calls visit(begin) for each place where a key is less than the one before it, until it returns false. Returns
+/// whether it never did.
+template <class Keys, class Visit>
+bool visit_runs(const Keys& keys, Visit&& visit) {
+  for (std::size_t i = 1; i < keys.size(); ++i)
+    if (keys[i] < keys[i - 1] && !visit(i)) return false;
+  return true;
+}
+
+}  // namespace
+
+/// Each list becomes one sorted range. Contacts of a candidate list come in order but for the last tests of each kind;
+/// a list of few sorted runs stays as it is.
 void ContactOrder::sort_lists(std::span<const std::span<const Contact>> lists, Executor& executor) {
   begins_.assign(1, 0);
   for (const std::span<const Contact> list : lists) begins_.push_back(begins_.back() + list.size());
   keys_.resize(begins_.back());
-  merged_.resize(lists.size() > 1 ? keys_.size() : 0);
   executor.parallel_for(lists.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t l = begin; l < end; ++l) {
       const std::span<Key> keys = std::span(keys_).subspan(begins_[l], lists[l].size());
       for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = {lists[l][i], l, i};
-      std::sort(keys.begin(), keys.end());
+      if (std::size_t runs = 0; !visit_runs(keys, [&](std::size_t) { return ++runs < kFewRuns; }))
+        std::sort(keys.begin(), keys.end());
     }
   });
+  begins_.assign(1, 0);
+  visit_runs(keys_, [&](std::size_t run) { return begins_.push_back(run), true; });
+  begins_.push_back(keys_.size());
+  merged_.resize(begins_.size() > 2 ? keys_.size() : 0);
 }
 
 /// Merges two neighbouring ranges at a time until one is left.

@@ -18,7 +18,7 @@ class ContactOrder {
  public:
   /// Replaces `out` by the contacts of the lists in canonical order, one for each feature pair. Returns the number of
   /// contacts that are left out. Contacts of the same features are equal, so that the result does not depend on how the
-  /// contacts are distributed to lists. O(n log n).
+  /// contacts are distributed to lists. O(n log n), less for lists of few sorted runs.
   std::size_t collect(std::span<const std::span<const Contact>> lists, Executor& executor, std::vector<Contact>& out);
 
   std::size_t bytes() const { return (keys_.capacity() + merged_.capacity()) * sizeof(Key); }

@@ -24,6 +24,14 @@ Contact contact(Random& random) {
   return c;
 }
 
+/// Sorts up to 10 pieces of the list, so that it has few or many sorted runs; or leaves it as it is.
+void sort_pieces(std::vector<Contact>& list, Random& random) {
+  const std::size_t pieces = random.below(11);
+  for (std::size_t i = 0; i < pieces; ++i)
+    std::sort(list.begin() + static_cast<std::ptrdiff_t>(i * list.size() / pieces),
+              list.begin() + static_cast<std::ptrdiff_t>((i + 1) * list.size() / pieces), canonical_less);
+}
+
 TEST(ThreadsContactOrder, SortsAndKeepsEachFeaturePairOnce) {
   Random random(4);
   const std::unique_ptr<Executor> executor = make_thread_executor(3);
@@ -37,6 +45,7 @@ TEST(ThreadsContactOrder, SortsAndKeepsEachFeaturePairOnce) {
         list.push_back(contact(random));
         expected.push_back(list.back());
       }
+    for (std::vector<Contact>& list : lists) sort_pieces(list, random);
     std::sort(expected.begin(), expected.end(), canonical_less);
     const std::size_t all = expected.size();
     expected.erase(std::unique(expected.begin(), expected.end()), expected.end());

@@ -22,6 +22,7 @@ BoundedTest<kPoints>::BoundedTest(FeatureKind kind, const TestPoints& x, double 
 
 template <int kPoints>
 void BoundedTest<kPoints>::store_differences(const TestPoints& x, double separation, double scale) {
+  scale_ = scale;
   if (separation > 0) separation_ = std::nextafter(separation * scale, kInfinity);
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t c = 0; c < kPoints; ++c)

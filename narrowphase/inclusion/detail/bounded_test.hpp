@@ -21,6 +21,7 @@ class BoundedTest {
 
   FeatureKind kind() const { return kind_; }
   double separation() const { return separation_; }  ///< scaled like the differences
+  double scale() const { return scale_; }            ///< as in moving_points()
   const std::array<Curve, 3>& differences() const { return differences_; }
   /// Greatest magnitudes over all control points of the points 1, 2, 3; at least kMinExtent.
   const std::array<Vec3, 3>& extents() const { return extents_; }
@@ -44,7 +45,7 @@ class BoundedTest {
   void measure();
 
   FeatureKind kind_;
-  double separation_ = 0;
+  double separation_ = 0, scale_ = 1;
   std::array<Curve, 3> differences_;
   std::array<Vec3, 3> extents_;
   Vec3 extent_;

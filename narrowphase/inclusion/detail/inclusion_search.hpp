@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
+#include <volccd/narrowphase/contact_frame.hpp>
 #include <volccd/narrowphase/moving_points.hpp>
 #include <volccd/numerics/rounding.hpp>
 #include <volccd/query/pairs.hpp>
@@ -25,6 +27,8 @@ struct InclusionAnswer {
   /// `toi` by more than the tolerance, or there were too many intervals, and it is unknown how near the features come
   /// to each other.
   bool unsettled = false;
+  /// For a contact with a separation: the closest points then.
+  std::optional<ScaledClosestPoints> closest = std::nullopt;
 };
 
 /// A division of an interval [lo, hi] of the step into three intervals. Times and their local parameters (0: lo, 1: hi)

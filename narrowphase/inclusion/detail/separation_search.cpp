@@ -27,14 +27,14 @@ class SeparationSearch {
 
   InclusionAnswer run(double t_max) {
     front_ = at(0);
-    if (certainly_within(front_)) return {.outcome = Outcome::touch, .at_start = true};
+    if (certainly_within(front_)) return touch(true);
     push(at(1));
     for (int examined = 0; size_ > 0 && front_.t <= t_max; ++examined) {
-      if (examined >= max_intervals_) return found(Outcome::undecided);
+      if (examined >= max_intervals_) return undecided();
       const Moment& end = ends_[size_ - 1];
       const double length = end.t - front_.t;
       const bool within = certainly_within(end);
-      if (within && length <= tolerance_) return found(Outcome::touch);
+      if (within && length <= tolerance_) return touch(is_at_start());
       if (within && split_at_approach(end)) continue;
       const Moment middle = at(front_.t + length / 2);
       if (!within && !certainly_within(middle) && apart(middle, end)) {
@@ -42,7 +42,7 @@ class SeparationSearch {
         --size_;
         continue;
       }
-      if (length <= kShortestInterval || test_.rigid()) return found(Outcome::undecided);
+      if (length <= kShortestInterval || test_.rigid()) return undecided();
       push(middle);
     }
     return {.outcome = Outcome::apart};
@@ -73,10 +73,17 @@ class SeparationSearch {
     ends_[size_++] = end;
   }
 
-  /// A contact at the front, or no proof against one.
-  InclusionAnswer found(Outcome outcome) const {
-    const bool at_start = front_.t == 0 && compare_distance({test_.kind(), kPoints, points_}, 0, separation_) <= 0;
-    return {.outcome = outcome, .toi = front_.t, .at_start = at_start, .unsettled = outcome == Outcome::undecided};
+  InclusionAnswer touch(bool at_start) const {
+    return {.outcome = Outcome::touch,
+            .toi = front_.t,
+            .at_start = at_start,
+            .closest = ScaledClosestPoints{front_.closest, test_.extent().maxCoeff(), test_.scale()}};
+  }
+  InclusionAnswer undecided() const {
+    return {.outcome = Outcome::undecided, .toi = front_.t, .at_start = is_at_start(), .unsettled = true};
+  }
+  bool is_at_start() const {
+    return front_.t == 0 && compare_distance({test_.kind(), kPoints, points_}, 0, separation_) <= 0;
   }
 
   /// The unit vector between the closest points, towards the second feature.
