@@ -19,7 +19,7 @@ SimulatedScene bullet() {
           .quick_elements = kBulletQuickElements,
           .frames = kBulletFrames,
           .duration = kBulletDuration,
-          .version = 7};
+          .version = 8};
 }
 
 SimulatedScene bullet_with(const char* name, const char* description, simulation::ContactFeatures features) {
@@ -28,7 +28,7 @@ SimulatedScene bullet_with(const char* name, const char* description, simulation
   scene.description = description;
   scene.options.features = features;
   scene.variant_of = "bullet";
-  scene.version = 6;
+  scene.version = 7;
   return scene;
 }
 
@@ -43,7 +43,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kOctopiQuickElements,
        .frames = kOctopiFrames,
        .duration = kOctopiDuration,
-       .version = 5},
+       .version = 6},
       bullet(),
       {.name = "airbag",
        .description = "a folded airbag inflates in front of a steering wheel; shells",
@@ -53,7 +53,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .frames = kAirbagFrames,
        .begin = kAirbagBegin,
        .duration = kAirbagDuration,
-       .version = 6},
+       .version = 7},
       {.name = "crash",
        .description = "the front of a car of thin sheet hits a rigid wall; shells",
        .model = crash_model,
@@ -61,7 +61,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kCrashQuickElements,
        .frames = kCrashFrames,
        .duration = kCrashDuration,
-       .version = 6},
+       .version = 7},
       {.name = "liver",
        .description = "a liver that hangs from its sides is cut from below by a scalpel; tetrahedra",
        .model = liver_model,
@@ -70,7 +70,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .frames = kLiverFrames,
        .begin = kLiverBegin,
        .duration = kLiverDuration,
-       .version = 5},
+       .version = 6},
       {.name = "weld",
        .description = "a plate is shot at another, welds to it, and cracks it inside; hexahedra",
        .model = weld_model,
@@ -78,7 +78,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kWeldQuickElements,
        .frames = kWeldFrames,
        .duration = kWeldDuration,
-       .version = 2},
+       .version = 3},
       bullet_with("bullet-boundary", "bullet; of contacts only those between features of the boundary are resisted",
                   simulation::ContactFeatures::boundary),
       bullet_with("bullet-surface", "bullet; only those between features of the surface as it was before it broke",
