@@ -29,8 +29,8 @@ std::size_t pieces(const Simulation& s) {
 }
 
 /// Two blocks with a common face, of a material that can merge.
-TEST(TopologyLoop, BlocksThatHitHardBecomeOne) {
-  Model model = blocks({{.nx = 2, .velocity = Vec3(4, 0, 0)}, {.nx = 2, .at = Vec3(0.202, 0, 0)}});
+void expect_one_block(double sideways) {
+  Model model = blocks({{.nx = 2, .velocity = Vec3(5, 0, 0)}, {.nx = 2, .at = Vec3(0.202, sideways, 0)}});
   for (Body& body : model.bodies) {
     body.material.merging_force = 1;
     body.material.merging_distance = 0.01;
@@ -50,6 +50,15 @@ TEST(TopologyLoop, BlocksThatHitHardBecomeOne) {
   const double gap = mean(s, s.positions(), 1).x() - mean(s, s.positions(), 0).x();
   s.advance_to(0.2);
   EXPECT_NEAR(mean(s, s.positions(), 1).x() - mean(s, s.positions(), 0).x(), gap, 0.02);
+}
+
+/// Which vertices merge first depends on roundings of contact times. Slower blocks, of which only two vertices merge,
+/// turn against each other, and the energy in them changes by more than merging takes.
+TEST(TopologyLoop, BlocksThatHitHardBecomeOne) {
+  for (const double sideways : {0.0, 1e-6, 1e-3}) {
+    SCOPED_TRACE(sideways);
+    expect_one_block(sideways);
+  }
 }
 
 /// A moving block that is cut through.
