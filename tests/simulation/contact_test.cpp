@@ -170,6 +170,9 @@ TEST(ContactAtStart, FacesInTouchGetTheirNormalFromTheElements) {
 
 /// Two jaws with a common edge close on the tip of a needle near that edge. Both contacts move the same heavy vertices,
 /// in opposite directions, so that the passes do not separate them and vertices are held in many substeps.
+/// Known defect: with fixed jaws, one or two of 54 variations of the tip (0.0028 to 0.0033) and the speed (0.99
+/// to 1.01) gain energy without limit, such as 0.0033 with 0.99. Which of them do depends on roundings of contact
+/// times.
 TEST(ContactHeld, WhatIsHeldGainsNoEnergy) {
   Shape jaws, needle;
   jaws.positions = {Vec3(0, 0, 0),          Vec3(0, 0.1, 0),         Vec3(0.1, 0.05, 0.002),
@@ -192,7 +195,10 @@ TEST(ContactHeld, WhatIsHeldGainsNoEnergy) {
     SerialExecutor executor;
     Simulation s(model, {}, executor);
     const Ledger before = s.ledger();
-    s.advance_to(0.004);
+    for (int part = 1; part <= 40; ++part) {
+      s.advance_to(1e-4 * part);
+      ASSERT_LT(s.ledger().kinetic + s.ledger().elastic, 2 * before.initial) << part;
+    }
     const SimulationCounts counts = s.drain_counts();
     const Ledger& after = s.ledger();
     EXPECT_GT(counts.held, 50u);
