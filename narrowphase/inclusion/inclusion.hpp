@@ -6,7 +6,8 @@
 
 namespace volccd {
 
-/// Features of an undecided test come closer to each other than this value, relative to the size of the test.
+/// Features of an undecided test without a separation come closer to each other than this value, relative to the size
+/// of the test.
 inline constexpr double kUndecidedDistance = 0x1p-40;
 
 enum class Undecided {

@@ -6,6 +6,7 @@ namespace volccd::detail {
 
 namespace {
 
+/// Lists of fewer sorted runs are merged, and not sorted.
 constexpr std::size_t kFewRuns = 8;
 
 /// Calls visit(begin) for each place where a key is less than the one before it, until it returns false. Returns
@@ -19,8 +20,8 @@ bool visit_runs(const Keys& keys, Visit&& visit) {
 
 }  // namespace
 
-/// Each list becomes one sorted range. Contacts of a candidate list come in order but for the last tests of each kind;
-/// a list of few sorted runs stays as it is.
+/// Divides the keys into sorted ranges. A list of few sorted runs stays as it is: contacts of a candidate list come in
+/// order but for the last tests of each kind. Others are sorted.
 void ContactOrder::sort_lists(std::span<const std::span<const Contact>> lists, Executor& executor) {
   begins_.assign(1, 0);
   for (const std::span<const Contact> list : lists) begins_.push_back(begins_.back() + list.size());

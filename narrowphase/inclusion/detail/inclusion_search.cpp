@@ -47,7 +47,6 @@ class IntervalStack {
     if (interval.lo < interval.hi) intervals_[size_++] = interval;
   }
   Interval pop() { return intervals_[--size_]; }
-  void clear() { size_ = 0; }
 
  private:
   std::array<Interval, 2 * kLevelsOfThree + 64> intervals_;

@@ -15,6 +15,8 @@ using Outcome = InclusionAnswer::Outcome;
 /// How often the search looks for the time of the approach; then it halves intervals.
 constexpr int kMaxApproaches = 8;
 
+/// Examines intervals from left to right. Each is proven free of contact by an axis that turns, begins with a contact
+/// if it is no longer than the tolerance and two points are within the separation at its end, or is split.
 template <int kPoints>
 class SeparationSearch {
  public:

@@ -1,5 +1,6 @@
 // The search of `inclusion` for tests with a separation: what it decides, and that an axis that turns separates only
 // features that are further apart than the separation.
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
