@@ -28,7 +28,8 @@ namespace volccd::simulation {
 ///
 /// stable_step() bounds the greatest frequency of each element separately, so that it is also valid for elements that
 /// have become detached. For a cube it is edge sqrt(density / 3K), where K is the bulk modulus, less an eighth for
-/// viscosity.
+/// viscosity. It is smaller where an element would deform by more than a tenth in a step at the present velocities,
+/// because the frequency grows as the element gets thinner.
 ///
 /// Edits: an element that is its parent's only child, and of the same type, keeps the parent's shape at rest, corner by
 /// corner (vertices were split or merged). Pieces of a tetrahedron have the shapes that the reference positions give,

@@ -170,43 +170,44 @@ TEST(ContactAtStart, FacesInTouchGetTheirNormalFromTheElements) {
 
 /// Two jaws with a common edge close on the tip of a needle near that edge. Both contacts move the same heavy vertices,
 /// in opposite directions, so that the passes do not separate them and vertices are held in many substeps.
-/// Known defect: with fixed jaws, one or two of 54 variations of the tip (0.0028 to 0.0033) and the speed (0.99
-/// to 1.01) gain energy without limit, such as 0.0033 with 0.99. Which of them do depends on roundings of contact
-/// times.
+/// The needle is squeezed to a sliver that deforms faster than a wave crosses it.
 TEST(ContactHeld, WhatIsHeldGainsNoEnergy) {
   Shape jaws, needle;
   jaws.positions = {Vec3(0, 0, 0),          Vec3(0, 0.1, 0),         Vec3(0.1, 0.05, 0.002),
                     Vec3(0.05, 0.05, 0.05), Vec3(0.1, 0.05, -0.002), Vec3(0.05, 0.05, -0.05)};
   jaws.elements = {{.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}},
                    {.type = ElementType::tetrahedron, .vertices = {0, 4, 1, 5}, .id = 1}};
-  needle.positions = {Vec3(0.003, 0.05, 0), Vec3(0.15, 0.049, 0), Vec3(0.15, 0.051, 0.0005), Vec3(0.15, 0.05, -0.0005)};
   needle.elements = {{.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}}};
-  Shape all;
-  all.append(jaws, 0).append(needle, 1);
-  Model model;
-  model.mesh = all.mesh();
-  model.positions = all.positions;
-  model.velocities.assign(all.positions.size(), Vec3::Zero());
-  for (const Index v : {2, 3}) model.velocities[v] = Vec3(0, 0, -1);
-  for (const Index v : {4, 5}) model.velocities[v] = Vec3(0, 0, 1);
-  model.bodies = {{"jaws", soft()}, {"needle", soft()}};
-  for (const bool fixed : {false, true}) {
-    if (fixed) model.fixed = {0, 1};
-    SerialExecutor executor;
-    Simulation s(model, {}, executor);
-    const Ledger before = s.ledger();
-    for (int part = 1; part <= 40; ++part) {
-      s.advance_to(1e-4 * part);
-      ASSERT_LT(s.ledger().kinetic + s.ledger().elastic, 2 * before.initial) << part;
+  for (const auto& [tip, speed] : {std::pair(0.003, 1.0), std::pair(0.0033, 0.99), std::pair(0.0029, 1.01)}) {
+    needle.positions = {Vec3(tip, 0.05, 0), Vec3(0.15, 0.049, 0), Vec3(0.15, 0.051, 0.0005), Vec3(0.15, 0.05, -0.0005)};
+    Shape all;
+    all.append(jaws, 0).append(needle, 1);
+    Model model;
+    model.mesh = all.mesh();
+    model.positions = all.positions;
+    model.velocities.assign(all.positions.size(), Vec3::Zero());
+    for (const Index v : {2, 3}) model.velocities[v] = Vec3(0, 0, -speed);
+    for (const Index v : {4, 5}) model.velocities[v] = Vec3(0, 0, speed);
+    model.bodies = {{"jaws", soft()}, {"needle", soft()}};
+    for (const bool fixed : {false, true}) {
+      SCOPED_TRACE(testing::Message() << tip << ' ' << speed << ' ' << fixed);
+      if (fixed) model.fixed = {0, 1};
+      SerialExecutor executor;
+      Simulation s(model, {}, executor);
+      const Ledger before = s.ledger();
+      for (int part = 1; part <= 40; ++part) {
+        s.advance_to(1e-4 * part);
+        ASSERT_LT(s.ledger().kinetic + s.ledger().elastic, 2 * before.initial) << part;
+      }
+      const SimulationCounts counts = s.drain_counts();
+      const Ledger& after = s.ledger();
+      EXPECT_GT(counts.held, 50u);
+      EXPECT_EQ(counts.unresolved, 0u);
+      EXPECT_GT(after.contact, 0);
+      EXPECT_LT(after.kinetic + after.elastic + after.numerical, before.initial);
+      EXPECT_LT((after.momentum - after.impulse).norm(), 1e-12);
+      EXPECT_EQ(overlaps(s), 0u);
     }
-    const SimulationCounts counts = s.drain_counts();
-    const Ledger& after = s.ledger();
-    EXPECT_GT(counts.held, 50u);
-    EXPECT_EQ(counts.unresolved, 0u);
-    EXPECT_GT(after.contact, 0);
-    EXPECT_LT(after.kinetic + after.elastic + after.numerical, before.initial);
-    EXPECT_LT((after.momentum - after.impulse).norm(), 1e-12);
-    EXPECT_EQ(overlaps(s), 0u);
   }
 }
 

@@ -80,6 +80,24 @@ TEST(SolidStableStep, OfACube) {
   EXPECT_GT(loop.forces->stable_step(), 0.85 * inviscid);
 }
 
+TEST(SolidStableStep, LimitsTheStrainOfAStep) {
+  for (const Solid type : {Solid::tetrahedra, Solid::hexahedra}) {
+    Loop loop(block(type, {2, 2, 2}, 0.1, soft()));
+    loop.compute(0);
+    const double at_rest = loop.forces->stable_step(), rate = 1 / at_rest;
+    // Stretched to twice the length, and getting longer; the rate is that of the present length.
+    for (std::size_t i = 0; i < loop.x.size(); ++i) {
+      loop.x[i].z() *= 2;
+      loop.v[i] = Vec3(0, 0, rate * loop.x[i].z());
+    }
+    loop.compute(0);
+    EXPECT_NEAR(loop.forces->stable_step(), 0.1 / rate, 1e-9 / rate);
+    for (std::size_t i = 0; i < loop.x.size(); ++i) loop.v[i] = rate * Vec3(0, 0, 1).cross(loop.x[i]);
+    loop.compute(0);
+    EXPECT_GT(loop.forces->stable_step(), 0.4 / rate) << "a rotation";
+  }
+}
+
 class SolidWaves : public testing::TestWithParam<Solid> {};
 INSTANTIATE_TEST_SUITE_P(Types, SolidWaves, testing::Values(Solid::tetrahedra, Solid::hexahedra));
 

@@ -83,6 +83,7 @@ HWY_INLINE V greatest_eigenvalue(const Sym& a) {
 struct Kinematics {
   Matrix f, cofactor;
   V j, volume_rate;
+  V strain_rate2;  // squared norm of the rate of deformation times J
 };
 
 template <int N>
@@ -112,6 +113,13 @@ HWY_INLINE Kinematics kinematics(SolidBatch<N>& b, int lane) {
   k.volume_rate = inner(k.cofactor, rate);
   store(k.j, b.j, lane);
   store(k.volume_rate, b.volume_rate, lane);
+  k.strain_rate2 = num(0);
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c <= r; ++c) {
+      const V twice = dot(rate.m[r], k.cofactor.m[c]) + dot(rate.m[c], k.cofactor.m[r]);
+      k.strain_rate2 = k.strain_rate2 + num(r == c ? 0.25 : 0.5) * (twice * twice);
+    }
+  }
   return k;
 }
 
@@ -315,7 +323,8 @@ HWY_INLINE void respond_lanes(SolidBatch<N>& b, int lane, double dt) {
     store_forces(b, lane, stress, nullptr, all);
   }
   store(energy, b.energy, lane);
-  const V step = num(2) / (hn::Sqrt(w.squared + decay * decay) + decay);
+  const V oscillation = num(2) / (hn::Sqrt(w.squared + decay * decay) + decay);
+  const V step = hn::Min(oscillation, num(kStrainPerStep) * j / hn::Sqrt(k.strain_rate2));
   const auto finite = hn::And(hn::IsFinite(w.squared), hn::IsFinite(all));
   store(hn::IfThenElse(finite, step, num(-1)), b.step, lane);
 }

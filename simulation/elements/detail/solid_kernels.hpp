@@ -10,6 +10,9 @@ inline constexpr int kSolidLanes = 4;
 /// Below this J, the kernel does not divide by J, and there is no plastic flow.
 inline constexpr double kFlat = 0.1;
 
+/// By how much an element may deform in a stable step. (The bound of the frequency is that of the present shape.)
+inline constexpr double kStrainPerStep = 0.1;
+
 using SolidLane = double[kSolidLanes];
 
 /// A SolidLane has one value for each of the four elements. Lanes from `count` on repeat an element, and their results
