@@ -41,6 +41,21 @@ bool has_reversed(const Mesh& mesh, Index o, std::span<const Index> face) {
   return found;
 }
 
+/// Whether the sides are one closed ring with consistent orientation. Sorts them. Pre: there is at least one side.
+bool is_closed_ring(RingSides& sides) {
+  std::sort(sides.begin(), sides.end());
+  std::size_t count = 0;
+  Index at = sides[0][0];
+  do {
+    const auto next = std::lower_bound(sides.begin(), sides.end(), std::array{at, Index{0}});
+    if (next == sides.end() || (*next)[0] != at || count == sides.size()) return false;
+    if (next + 1 != sides.end() && next[1][0] == at) return false;
+    ++count;
+    at = (*next)[1];
+  } while (at != sides[0][0]);
+  return count == sides.size();
+}
+
 /// Whether a face is not an inner one.
 bool has_open_faces(const std::array<FaceKind, 6>& faces) {
   return std::any_of(faces.begin(), faces.end(),
@@ -48,20 +63,6 @@ bool has_open_faces(const std::array<FaceKind, 6>& faces) {
 }
 
 }  // namespace
-
-bool Ring::order() {
-  std::sort(sides.begin(), sides.end());
-  vertices.clear();
-  Index at = sides[0][0];
-  do {
-    const auto next = std::lower_bound(sides.begin(), sides.end(), std::array{at, Index{0}});
-    if (next == sides.end() || (*next)[0] != at || vertices.size() == sides.size()) return false;
-    if (next + 1 != sides.end() && next[1][0] == at) return false;
-    vertices.push_back(at);
-    at = (*next)[1];
-  } while (at != sides[0][0]);
-  return vertices.size() == sides.size();
-}
 
 void StarTable::set_faces(const Topology& topology, Index o) {
   const Mesh& mesh = topology.mesh();
@@ -86,7 +87,7 @@ void StarTable::set_faces(const Topology& topology, Index o) {
 
 /// Finds the sides of the boundary faces at v that do not contain v, with the orientation of the faces. Returns false
 /// if the star is irregular.
-bool StarTable::find_sides(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& sides) const {
+bool StarTable::find_sides(const Topology& topology, Index v, RingSides& sides) const {
   const Mesh& mesh = topology.mesh();
   const std::span<const Index> star = topology.features().vertex_elements(v);
   const bool shells = is_shell(mesh.type(star[0]));
@@ -107,18 +108,17 @@ bool StarTable::find_sides(const Topology& topology, Index v, std::vector<std::a
   return regular;
 }
 
-StarKind StarTable::kind_of(const Topology& topology, Index v, Ring& scratch) const {
+StarKind StarTable::kind_of(const Topology& topology, Index v, RingSides& scratch) const {
   if (topology.features().vertex_elements(v).empty()) return StarKind::unused;
-  if (!find_sides(topology, v, scratch.sides)) return StarKind::irregular;
-  if (scratch.sides.empty()) return StarKind::interior;
-  return scratch.order() ? StarKind::ring : StarKind::irregular;
+  if (!find_sides(topology, v, scratch)) return StarKind::irregular;
+  if (scratch.empty()) return StarKind::interior;
+  return is_closed_ring(scratch) ? StarKind::ring : StarKind::irregular;
 }
 
-std::span<const Index> StarTable::ring(const Topology& topology, Index v, Ring& scratch) const {
-  if (kinds_[v] != StarKind::ring) return {};
-  find_sides(topology, v, scratch.sides);
-  scratch.order();
-  return scratch.vertices;
+const RingSides& StarTable::ring(const Topology& topology, Index v, RingSides& scratch) const {
+  scratch.clear();
+  if (kinds_[v] == StarKind::ring) find_sides(topology, v, scratch);
+  return scratch;
 }
 
 bool StarTable::share_inner_face(const Mesh& mesh, Index a, Index b) const {

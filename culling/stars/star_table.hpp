@@ -29,16 +29,8 @@ enum class StarKind : std::uint8_t {
 /// cyclic order; a boundary face if it has a single element; otherwise irregular. A shell is a boundary face.
 enum class FaceKind : std::uint8_t { none, inner, boundary, irregular };
 
-/// Memory for one ring, to be reused.
-struct Ring {
-  std::vector<std::array<Index, 2>> sides;  ///< directed sides of faces
-  std::vector<Index> vertices;
-
-  /// Sorts the sides into a sequence, the ring of their first vertices. Returns false if they are not one closed ring
-  /// with consistent orientation. Pre: there is at least one side.
-  bool order();
-  std::size_t bytes() const { return heap_bytes(sides, vertices); }
-};
+/// A ring of directed sides of faces, in no particular order: (first vertex, second vertex).
+using RingSides = std::vector<std::array<Index, 2>>;
 
 /// The kinds of all stars and faces of a topology (docs/clear_stars.md, condition 1). Not thread-safe; uses the
 /// executor.
@@ -55,10 +47,9 @@ class StarTable {
   static bool has_shells(const Topology& topology, Index v) {
     return is_shell(topology.mesh().type(topology.features().vertex_elements(v)[0]));
   }
-  /// For StarKind::ring: the other vertices of the boundary faces at v in cyclic order, with the same orientation in
-  /// all rings of an orientable part. Consecutive vertices, and the last and the first one, form a triangle with v.
-  /// Empty for other kinds.
-  std::span<const Index> ring(const Topology& topology, Index v, Ring& scratch) const;
+  /// For StarKind::ring: the sides that form the ring, in `scratch`. Each forms a triangle with v; all rings of an
+  /// orientable part have the same orientation. Empty for other kinds.
+  const RingSides& ring(const Topology& topology, Index v, RingSides& scratch) const;
 
   /// The kinds of the faces of element o, in the order of its face stream.
   const std::array<FaceKind, 6>& faces(Index o) const { return faces_[o]; }
@@ -73,14 +64,14 @@ class StarTable {
  private:
   void sync_vertices(const Topology& topology, TopologyDelta::Extent changed);
   void set_faces(const Topology& topology, Index o);
-  StarKind kind_of(const Topology& topology, Index v, Ring& scratch) const;
-  bool find_sides(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& sides) const;
+  StarKind kind_of(const Topology& topology, Index v, RingSides& scratch) const;
+  bool find_sides(const Topology& topology, Index v, RingSides& sides) const;
 
   TopologyDelta delta_;
   std::vector<StarKind> kinds_;                 ///< by vertex
   std::vector<std::array<FaceKind, 6>> faces_;  ///< by element slot
   std::vector<Index> changed_vertices_;
-  std::vector<Ring> scratch_;  ///< by worker
+  std::vector<RingSides> scratch_;  ///< by worker
 };
 
 /// The face of a tetrahedron opposite to its vertex i, outward for positive volume.

@@ -154,14 +154,14 @@ int VertexStars::proven_sign(const Step& step, Index v) const {
 }
 
 /// Condition 4. For shells only the ring has to go around once.
-bool VertexStars::surrounds_once(const Step& step, Index v, int sign, Ring& scratch) const {
+bool VertexStars::surrounds_once(const Step& step, Index v, int sign, RingSides& scratch) const {
   if (table_.kind(v) == StarKind::interior) return cones_go_once_around(step, v, sign < 0);
   const Vec3 up = rings_.up(v);
   return winds_once(step.motion, v, table_.ring(step.topology, v, scratch), up) &&
          (StarTable::has_shells(step.topology, v) || cones_exclude(step, v, sign < 0, sign * up));
 }
 
-bool VertexStars::examine_star(const Step& step, Index v, Ring& scratch) {
+bool VertexStars::examine_star(const Step& step, Index v, RingSides& scratch) {
   const StarKind kind = table_.kind(v);
   const bool excluded = kind == StarKind::irregular || (kind == StarKind::ring && folds_[v] != 0);
   const int sign = excluded ? 0 : proven_sign(step, v);

@@ -62,8 +62,8 @@ class VertexStars {
   void invalidate_known(const Step& step, TopologyDelta::Extent changed, Executor& executor);
   bool find_gap(const Motion& motion, Executor& executor);
   int proven_sign(const Step& step, Index v) const;
-  bool surrounds_once(const Step& step, Index v, int sign, Ring& scratch) const;
-  bool examine_star(const Step& step, Index v, Ring& scratch);
+  bool surrounds_once(const Step& step, Index v, int sign, RingSides& scratch) const;
+  bool examine_star(const Step& step, Index v, RingSides& scratch);
 
   StarTable table_;
   BoundaryRings rings_;
@@ -72,7 +72,7 @@ class VertexStars {
   std::vector<Known> known_;                   ///< by vertex
   std::vector<std::uint8_t> all_positive_;     ///< by vertex: whether the volumes at it are all proven to be positive
   std::vector<ConeSigns> signs_, gap_signs_;   ///< by element slot
-  std::vector<Ring> scratch_;                  ///< by worker
+  std::vector<RingSides> scratch_;             ///< by worker
   Motion gap_;  ///< its start: where the last step ended; its end, if it was needed: the start of this one
   std::vector<Index> suspects_;
   bool complete_ = false;                   ///< whether the last update has ended

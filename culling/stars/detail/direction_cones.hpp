@@ -1,6 +1,8 @@
 // Cones of directions at a vertex, with certified predicates.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <span>
 
 #include <volccd/numerics/certified_sign.hpp>
@@ -21,18 +23,18 @@ struct DirectionCone {
   }
 };
 
-/// Whether, at t = 0, the polygon `ring` surrounds `up` exactly once as seen from v. Pre: for consecutive vertices a
-/// and b of the ring, also the last and the first one, the normal of the triangle (v, a, b) has a positive dot product
-/// with `up`. Projected onto the plane perpendicular to `up`, the sectors of these triangles are narrower than half a
-/// turn; the ring surrounds `up` once if a direction in the first sector is in no other.
-inline bool winds_once(const Motion& motion, Index v, std::span<const Index> ring, const Vec3& up) {
+/// Whether, at t = 0, the ring of these directed sides surrounds `up` exactly once as seen from v. Pre: for each side
+/// (a, b), the normal of the triangle (v, a, b) has a positive dot product with `up`. Projected onto the plane
+/// perpendicular to `up`, the sectors of these triangles are narrower than half a turn; the ring surrounds `up` once if
+/// a direction in the first sector is in no other.
+inline bool winds_once(const Motion& motion, Index v, std::span<const std::array<Index, 2>> sides, const Vec3& up) {
   const Vec3 at = motion.point(v, 0);
-  const auto side = [&](std::size_t i) -> Vec3 { return motion.point(ring[i < ring.size() ? i : 0], 0) - at; };
-  const Vec3 direction = side(0) + side(1);
-  if (!certainly_positive(up, side(0), direction) || !certainly_positive(up, direction, side(1))) return false;
-  for (std::size_t i = 1; i < ring.size(); ++i)
-    if (!certainly_negative(up, side(i), direction) && !certainly_negative(up, direction, side(i + 1))) return false;
-  return true;
+  const auto way = [&](Index w) -> Vec3 { return motion.point(w, 0) - at; };
+  const Vec3 a = way(sides[0][0]), b = way(sides[0][1]), direction = a + b;
+  if (!certainly_positive(up, a, direction) || !certainly_positive(up, direction, b)) return false;
+  return std::all_of(sides.begin() + 1, sides.end(), [&](const std::array<Index, 2>& side) {
+    return certainly_negative(up, way(side[0]), direction) || certainly_negative(up, direction, way(side[1]));
+  });
 }
 
 }  // namespace volccd::detail

@@ -79,6 +79,10 @@ TEST(ClearStars, HaveASingleRing) {
     add(shape, ElementType::tetrahedron, {0, 4, 5, 6});
     if (small_first) std::swap(shape.elements[0].vertices, shape.elements[1].vertices);
     EXPECT_TRUE(is_suspect(shape)) << small_first;
+    StarTable table;
+    SerialExecutor serial;
+    table.update(Topology(shape.mesh()), serial);
+    EXPECT_EQ(table.kind(0), StarKind::irregular) << small_first;
   }
 }
 
