@@ -65,6 +65,16 @@ class CheckFigures(unittest.TestCase):
     def test_figures_of_other_records_are_found(self):
         self.check(1, seconds=0.0026, says=["README.md:3: 2.5 is 2.6 in the records", "README.md:10: 2.50 is 2.60"])
 
+    def test_figures_of_new_records_are_written(self):
+        page = PAGE.replace("2.5 ms", "2.5\nms")
+        self.check(1, page=page, seconds=1.2345)
+        command = [sys.executable, "-B", os.path.join(ROOT, "scripts/check_figures"), "--root", self.folder.name]
+        written = subprocess.run([*command, "--write"], capture_output=True, text=True, check=False)
+        self.assertEqual(written.returncode, 0, written.stdout + written.stderr)
+        with open(os.path.join(self.folder.name, "README.md"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), page.replace("2.50", "1,234.50").replace("2.5\nms", "1,234.5\nms"))
+        self.assertEqual(subprocess.run(command, capture_output=True, check=False).returncode, 0)
+
     def test_figures_without_an_entry_are_found(self):
         for text, says in (("It is 12x faster.", "12 is bound to no record"), ("5 ms more.", "5 is bound"),
                            ("4,321 pairs", "4,321 is bound"), ("a factor of 1.07", "1.07 is bound"),
