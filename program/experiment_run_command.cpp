@@ -21,6 +21,7 @@
 #include <volccd/program/commands.hpp>
 #include <volccd/program/experiment_names.hpp>
 #include <volccd/program/output_plan.hpp>
+#include <volccd/program/own_process.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
 #include <volccd/program/report.hpp>
@@ -184,7 +185,10 @@ void change_plan(const ExperimentOptions& options, ExperimentPlan& plan) {
   if (!options.steps.empty()) plan.options += fmt::format("--steps {} ", options.steps);
   if (options.rounds > 0) plan.options += fmt::format("--rounds {} ", options.rounds);
   if (!plan.options.empty()) plan.options.pop_back();
-  if (options.rounds > 0) plan.rounds = options.rounds;
+  if (options.rounds > 0) {
+    plan.rounds = options.rounds;
+    plan.processes = std::min(plan.processes, plan.rounds);
+  }
   for (SceneRun& run : plan.runs) {
     if (options.rounds > 0) run.rounds = 0;
     if (options.steps.empty()) continue;
@@ -213,8 +217,9 @@ RecordFile open_record(const ExperimentOptions& options, const std::string& name
   return record;
 }
 
-/// Runs the measurements that are missing in the record, with a line of progress.
-void measure(const ExperimentKind& kind, const PlanContext& context, const ExperimentPlan& plan, RecordFile& record) {
+/// Runs the measurements that are missing in the record, with a line of progress. Returns false if some are left for
+/// another process.
+bool measure(const ExperimentKind& kind, const PlanContext& context, const ExperimentPlan& plan, RecordFile& record) {
   try {
     if (kind.rows) {
       PlanContext of_rows = context;
@@ -225,9 +230,10 @@ void measure(const ExperimentKind& kind, const PlanContext& context, const Exper
         InterruptGuard::check();
       };
       kind.rows(of_rows, record);
+      return true;
     }
     Progress progress(kind.name, measured_runs(plan), "runs");
-    run_experiment(context.registry, plan, *context.executor, record, [&](std::size_t done, std::size_t) {
+    return run_experiment(context.registry, plan, *context.executor, record, [&](std::size_t done, std::size_t) {
       progress.advance(done);
       InterruptGuard::check();
     });
@@ -250,6 +256,30 @@ void write_results(const ExperimentKind& kind, const ExperimentOptions& options,
   write_text_file(record_file(options, kind.name, ".txt"), tables);
   report.print("record: {}\n", record.file());
   add_finished(kind.name, record.file(), true, tables, finished);
+}
+
+/// The arguments with which this program runs the experiment as it does here.
+std::vector<std::string> arguments_of(const ExperimentOptions& options, const std::string& name) {
+  std::vector<std::string> words = {"experiment", "run", name, "--output=" + options.output,
+                                    options.full ? "--full" : "--quick"};
+  if (!options.pipelines.empty()) words.push_back(fmt::format("--pipelines={}", fmt::join(options.pipelines, ",")));
+  if (!options.scenes.empty()) words.push_back(fmt::format("--scenes={}", fmt::join(options.scenes, ",")));
+  for (const std::string& setting : options.settings) words.push_back("--set=" + setting);
+  if (!options.steps.empty()) words.push_back("--steps=" + options.steps);
+  if (options.rounds > 0) words.push_back(fmt::format("--rounds={}", options.rounds));
+  if (options.threads) words.push_back(fmt::format("--threads={}", *options.threads));
+  if (options.report.quiet || options.report.json) words.emplace_back("--quiet");
+  return words;
+}
+
+/// Lets another process measure the rounds that are left, and write the results.
+int continue_in_another_process(const ExperimentKind& kind, const ExperimentOptions& options, const std::string& file,
+                                Finished& finished) {
+  Report(options.report).print("{}: the other rounds follow in another process\n", kind.name);
+  const int code = run_own_process(arguments_of(options, kind.name));
+  if (code == kDone || code == kDifferent)
+    add_finished(kind.name, file, true, render(kind.tables(read_record(file)), TableFormat::text), finished);
+  return code;
 }
 
 /// Runs the measurements that are missing in the record of an earlier, interrupted run, and writes record and tables.
@@ -276,10 +306,14 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
     add_finished(kind.name, file, true, render(kind.tables(*whole), TableFormat::text), finished);
     return same_contacts(kind, registry, plan, whole->at("rows"));
   }
-  RecordFile record = open_record(options, kind.name, identity);
-  measure(kind, context, plan, record);
-  write_results(kind, options, facts, record, finished);
-  return same_contacts(kind, registry, plan, record.rows());
+  {
+    RecordFile record = open_record(options, kind.name, identity);
+    if (measure(kind, context, plan, record)) {
+      write_results(kind, options, facts, record, finished);
+      return same_contacts(kind, registry, plan, record.rows());
+    }
+  }
+  return continue_in_another_process(kind, options, file, finished);
 }
 
 struct Baked {

@@ -53,6 +53,11 @@ std::vector<StepWindow> all_windows(int steps, int length) {
 
 int rounds_of(const ExperimentPlan& plan, const SceneRun& run) { return run.rounds > 0 ? run.rounds : plan.rounds; }
 
+std::pair<int, int> rounds_of_process(const ExperimentPlan& plan, const SceneRun& run, int process) {
+  const int rounds = rounds_of(plan, run);
+  return {rounds * process / plan.processes, rounds * (process + 1) / plan.processes};
+}
+
 std::size_t measured_runs(const ExperimentPlan& plan) {
   std::size_t sum = 0;
   for (const SceneRun& run : plan.runs)
@@ -86,7 +91,11 @@ json to_json(const ExperimentPlan& plan) {
                     {"subdivisions", run.subdivisions},
                     {"columns", run.columns}});
   }
-  return {{"experiment", plan.name}, {"setting", plan.setting}, {"rounds", plan.rounds}, {"runs", runs}};
+  return {{"experiment", plan.name},
+          {"setting", plan.setting},
+          {"rounds", plan.rounds},
+          {"processes", plan.processes},
+          {"runs", runs}};
 }
 
 }  // namespace volccd

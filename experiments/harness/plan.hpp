@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -46,6 +47,7 @@ struct ExperimentPlan {
   std::string setting;  ///< "quick" or "full"
   int rounds = 1;
   std::vector<SceneRun> runs;
+  int processes = 1;         ///< that the rounds are divided among; at most `rounds`
   std::string options = {};  ///< what a caller has changed, as on the command line: "--scenes run.vtkhdf --rounds 5"
 };
 
@@ -62,6 +64,9 @@ std::vector<StepWindow> with_an_edit(std::vector<StepWindow> windows, int steps,
 std::vector<StepWindow> all_windows(int steps, int length);
 
 int rounds_of(const ExperimentPlan& plan, const SceneRun& run);
+
+/// The rounds [first, second) that a process measures, in order of the processes.
+std::pair<int, int> rounds_of_process(const ExperimentPlan& plan, const SceneRun& run, int process);
 
 /// Number of measurements: the sum over runs and windows of rounds x entrants x steps.
 std::size_t measured_runs(const ExperimentPlan& plan);

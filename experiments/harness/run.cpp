@@ -61,10 +61,8 @@ struct Contestant {
 /// One SceneRun of a plan.
 class Runner {
  public:
-  Runner(const Registry& registry, const SceneRun& run, int rounds, Executor& executor,
-         const std::function<void()>& before_each)
+  Runner(const Registry& registry, const SceneRun& run, Executor& executor, const std::function<void()>& before_each)
       : run_(run),
-        rounds_(rounds),
         own_executor_(run.threads > 0 ? make_executor(run.threads) : nullptr),
         executor_(own_executor_ ? *own_executor_ : executor),
         before_each_(before_each),
@@ -73,9 +71,10 @@ class Runner {
       contestants_.push_back({entrant, StepRunner(Pipeline(registry, entrant.spec), {.executor = &executor_})});
   }
 
-  std::vector<json> measure(const StepWindow& window) {
+  /// The rounds [rounds.first, rounds.second) of a window.
+  std::vector<json> measure(const StepWindow& window, std::pair<int, int> rounds) {
     std::vector<json> rows;
-    for (int round = 0; round < rounds_; ++round) measure(window, round, rows);
+    for (int round = rounds.first; round < rounds.second; ++round) measure(window, round, rows);
     for (int again = 0; again < kRepeats && replace_stalled(window, rows); ++again) {
     }
     return rows;
@@ -117,7 +116,7 @@ class Runner {
     };
     if (std::none_of(rows.begin(), rows.end(), stalled)) return false;
     std::vector<json> more;
-    measure(window, rounds_, more);
+    measure(window, 0, more);
     std::map<std::string, const json*> of_key;
     for (const json& row : more) of_key[key(row)] = &row;
     for (json& row : rows) {
@@ -214,7 +213,6 @@ class Runner {
   }
 
   const SceneRun& run_;
-  const int rounds_;
   const std::unique_ptr<Executor> own_executor_;
   Executor& executor_;
   const std::function<void()>& before_each_;
@@ -231,26 +229,35 @@ class Runner {
 
 }  // namespace
 
-void run_experiment(const Registry& registry, const ExperimentPlan& plan, Executor& executor, RecordFile& record,
+bool run_experiment(const Registry& registry, const ExperimentPlan& plan, Executor& executor, RecordFile& record,
                     const std::function<void(std::size_t, std::size_t)>& progress) {
   const std::size_t total = measured_runs(plan);
   std::size_t done = 0;
-  for (std::size_t r = 0; r < plan.runs.size(); ++r) {
-    const SceneRun& run = plan.runs[r];
-    std::unique_ptr<Runner> runner;
-    const std::function<void()> before_each = [&] {
-      if (progress) progress(done, total);
-    };
-    for (const StepWindow& window : run.windows) {
-      const std::string key = fmt::format("{}/{}/{}", r, run.scene, window.first);
-      if (!record.has(key)) {
-        if (!runner) runner = std::make_unique<Runner>(registry, run, rounds_of(plan, run), executor, before_each);
-        record.add(key, runner->measure(window));
+  const std::function<void()> before_each = [&] {
+    if (progress) progress(done, total);
+  };
+  for (int process = 0; process < plan.processes; ++process) {
+    bool measured = false;
+    for (std::size_t r = 0; r < plan.runs.size(); ++r) {
+      const SceneRun& run = plan.runs[r];
+      const std::pair<int, int> rounds = rounds_of_process(plan, run, process);
+      std::unique_ptr<Runner> runner;
+      for (const StepWindow& window : run.windows) {
+        const std::string key = fmt::format("{}/{}/{}/{}", r, run.scene, window.first, process);
+        if (!record.has(key) && rounds.first < rounds.second) {
+          if (!runner) runner = std::make_unique<Runner>(registry, run, executor, before_each);
+          std::vector<json> rows = runner->measure(window, rounds);
+          for (json& row : rows) row["process"] = process;
+          record.add(key, rows);
+          measured = true;
+        }
+        done += static_cast<std::size_t>(window.count) * run.entrants.size() *
+                static_cast<std::size_t>(rounds.second - rounds.first);
       }
-      done +=
-          static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(rounds_of(plan, run));
     }
+    if (measured && process + 1 < plan.processes) return false;
   }
+  return true;
 }
 
 namespace {

@@ -13,7 +13,9 @@
 
 namespace volccd {
 
-/// Runs the windows of the plan that are not in the record yet, and adds their rows, window by window.
+/// Runs the windows of the plan that are not in the record yet, and adds their rows, window by window. If the rounds
+/// are divided among several processes, it runs those of the first process for which windows are missing. Returns
+/// whether the record has all windows of all processes; if not, it is for another process to call this again.
 ///
 /// Each round of a window runs forward from its start: first the step before the window with all entrants, without
 /// measuring, so that their states are those of the step before, and a topology edit is measured in every round; then
@@ -23,12 +25,12 @@ namespace volccd {
 ///
 /// If a step took more than three times its median over the rounds, and a millisecond more, the window is measured
 /// again, up to twice, and the faster row takes the place of the stalled one, which keeps the replaced time
-/// (`stalled_seconds`).
+/// (`stalled_seconds`). The rounds of one process are judged together.
 ///
-/// A row is one (scene, step, entrant, round); its columns are in docs/record.schema.json. `progress(done, total)` counts
-/// measured runs, and may throw to stop; rows already in the record are kept. Throws the exceptions of the reader and
-/// of the pipelines.
-void run_experiment(const Registry& registry, const ExperimentPlan& plan, Executor& executor, RecordFile& record,
+/// A row is one (scene, step, entrant, round); its columns are in docs/record.schema.json. `progress(done, total)`
+/// counts measured runs, and may throw to stop; rows already in the record are kept. Throws the exceptions of the
+/// reader and of the pipelines.
+bool run_experiment(const Registry& registry, const ExperimentPlan& plan, Executor& executor, RecordFile& record,
                     const std::function<void(std::size_t done, std::size_t total)>& progress = {});
 
 /// Compares the contacts of the entrants of each run. Entrants with the same narrow phase must find the same contacts,

@@ -183,7 +183,8 @@ TitledTable first_steps(const std::vector<BaselineRows>& scenes, const std::vect
 }  // namespace
 
 ExperimentPlan baselines_plan(const PlanContext& context) {
-  ExperimentPlan plan{"baselines", context.full ? "full" : "quick", context.full ? 5 : 1, {}};
+  ExperimentPlan plan{"baselines", context.full ? "full" : "quick", context.full ? kFullRounds : 1, {}};
+  if (context.full) plan.processes = kFullProcesses;
   for (const TableScene& scene : table_scenes(context)) {
     SceneRun run{scene.name, scene.file, table_config(scene.file), table_windows(context, scene.file), {}};
     for (const TableEntrant& name : names()) {

@@ -15,6 +15,9 @@
 
 namespace volccd {
 
+/// Of full runs of the experiments whose ratios are published.
+inline constexpr int kFullRounds = 6, kFullProcesses = 2;
+
 struct TableScene {
   std::string name;  ///< as in rows
   std::string file;

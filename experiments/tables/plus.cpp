@@ -156,7 +156,8 @@ void add_threads_table(const std::vector<Group>& groups, std::vector<TitledTable
 }  // namespace
 
 ExperimentPlan plus_plan(const PlanContext& context) {
-  ExperimentPlan plan{"plus", context.full ? "full" : "quick", context.full ? 5 : 3, {}};
+  ExperimentPlan plan{"plus", context.full ? "full" : "quick", context.full ? kFullRounds : 3, {}};
+  if (context.full) plan.processes = kFullProcesses;
   const bool two_cores = context.full && std::thread::hardware_concurrency() >= 2;
   for (const TableScene& scene : table_and_large_scenes(context)) {
     const bool shortened = !context.full && scene.large;

@@ -280,7 +280,8 @@ json summary_of(const std::string& table, const std::string& scene, const Compar
 }  // namespace
 
 ExperimentPlan table1_plan(const PlanContext& context) {
-  ExperimentPlan plan{"table1", context.full ? "full" : "quick", context.full ? 5 : 1, {}};
+  ExperimentPlan plan{"table1", context.full ? "full" : "quick", context.full ? kFullRounds : 1, {}};
+  if (context.full) plan.processes = kFullProcesses;
   for (const TableScene& scene : table_scenes(context)) {
     const auto add = [&](const std::string& table, MotionModel model, EdgeSet edges) {
       SceneRun run{scene.name, scene.file, table_config(scene.file, model), table_windows(context, scene.file), {}};

@@ -104,6 +104,31 @@ class Experiments(ProgramTest):
                 (["projectile"], ["--scenes", self.path("absent.vtkhdf")], "absent.vtkhdf")):
             self.bad("experiment", "run", *names, *options, says=says)
 
+    def test_full_ratios_are_of_two_processes(self):
+        for output in ([], ["--json"]):
+            folder = self.path("two" + "".join(output))
+            done = self.good("experiment", "run", "baselines", "--full", "--scenes", self.sequence, "--steps", "2:4",
+                             "--rounds", "3", "-o", folder, *output)
+            with open(os.path.join(folder, "baselines.json"), encoding="utf-8") as file:
+                record = json.load(file)
+            self.assertEqual({(row["process"], row["round"]) for row in record["rows"]}, {(0, 0), (1, 1), (1, 2)})
+            self.assertFalse(os.path.exists(os.path.join(folder, "baselines.incomplete.jsonl")))
+            if output:
+                self.assertEqual([one["complete"] for one in json.loads(done)["experiments"]], [True])
+            else:
+                self.assertIn("the other rounds follow in another process", done)
+                self.assertIn("Speed-up over the strongest baseline", done)
+
+    def test_an_interruption_reaches_the_other_process(self):
+        folder, sequence = self.path("cut"), self.path("long.vtkhdf")
+        self.good("scene", "generate", "builtin", "--elements", "300", "--steps", "61", "-o", sequence)
+        command = ["experiment", "run", "baselines", "--full", "--scenes", sequence, "--rounds", "2", "-o", folder]
+        cut = Interruption(*command, done=150)  # of 192 to 240
+        self.assertEqual(cut.code, 130, cut.screen)
+        self.assertIn("another process", cut.out)
+        self.assertIn("stopped; the same command continues", cut.screen)
+        self.assertIn("continued", self.good(*command))
+
     def test_a_quick_run_keeps_the_record_of_a_full_one(self):
         env = {"VOLCCD_DATA": self.path("absent"), "VOLCCD_CACHE": self.path("cache")}
         folder = self.path("full")

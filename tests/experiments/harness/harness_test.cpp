@@ -1,6 +1,7 @@
 // The harness: what it measures, that edits are repeated in every round, and that counts do not depend on the numbers
 // of rounds and threads.
 #include <chrono>
+#include <map>
 #include <numeric>
 #include <set>
 #include <thread>
@@ -194,6 +195,20 @@ TEST_F(Harness, GoesOnWhereItWasStopped) {
   run_experiment(registry_, two, serial, record, [&](std::size_t done, std::size_t) { min = std::min(min, done); });
   EXPECT_EQ(min, 4u) << "the first window ran again";
   EXPECT_EQ(record.rows().size(), 8u);
+}
+
+TEST_F(Harness, ProcessesDivideTheRounds) {
+  ExperimentPlan two = plan(3, {{1, 1}, {4, 1}});
+  two.processes = 2;
+  SerialExecutor serial;
+  std::map<int, std::set<int>> rounds;  // by process
+  for (const bool complete : {false, true, true}) {
+    RecordFile record(folder_ / "", "r", {{"a", 1}});
+    EXPECT_EQ(run_experiment(registry_, two, serial, record), complete);
+    EXPECT_EQ(record.rows().size(), complete ? 24u : 8u) << "of 4 pipelines and 2 steps: three rounds, and one";
+    for (const json& row : record.rows()) rounds[row.at("process")].insert(row.at("round").get<int>());
+  }
+  EXPECT_EQ(rounds, (std::map<int, std::set<int>>{{0, {0}}, {1, {1, 2}}}));
 }
 
 TEST_F(Harness, ARecordIsCompleteForItsOwnIdentityAlone) {
