@@ -27,9 +27,10 @@ void ContactQueryOptions::add_to(CLI::App& command) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command
-      .add_option("--lists", lists,
-                  "test the candidates of earlier steps: off; auto, where that is faster; or with a budget (a distance) "
-                  "and a number of steps ahead; the contacts are the same; default: auto with --substeps, off without")
+      .add_option(
+          "--lists", lists,
+          "test the candidates of earlier steps: off; auto, where that is faster; or with a budget (a distance) "
+          "and a number of steps ahead; the contacts are the same; default: auto with --substeps, off without")
       ->type_name("off|auto|B:N");
   query.add_to(command);
   sequence.add_parts_to(command);
@@ -61,8 +62,8 @@ distributed::Config ContactQueryOptions::rank_config(Executor& executor) const {
 
 void ContactQueryOptions::check_numbers(const StepRange& steps) const {
   if (steps.end > std::numeric_limits<int>::max() / substeps)
-    throw ConfigError(fmt::format("--substeps: {} substeps of {} motions are more than can be numbered", substeps,
-                                  steps.end));
+    throw ConfigError(
+        fmt::format("--substeps: {} substeps of {} motions are more than can be numbered", substeps, steps.end));
 }
 
 }  // namespace volccd

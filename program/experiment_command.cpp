@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <volccd/core/median.hpp>
 #include <volccd/experiments/records/record_file.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/compare_records.hpp>
@@ -95,7 +96,7 @@ int compare(const CompareOptions& options) {
     report.print(
         "all pipelines of a scene together: {:.2f} to {:.2f} times the time, {:.2f} on the median scene\n"
         "(`scripts/benchmark-guard` tells whether the latter is the machine or what all of them share)\n",
-        drifts.front(), drifts.back(), drifts[drifts.size() / 2]);
+        drifts.front(), drifts.back(), median(drifts));
   if (result.single > 0)
     report.print("{} with a single round: their tolerance is {:.0f} %\n", result.single, 100 * kMaxTimeTolerance);
   if (!result.without_times.empty())

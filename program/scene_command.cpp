@@ -63,9 +63,9 @@ int list_scenes(const ReportOptions& options) {
     report.print("{}", labelled("  " + scene.name, scene.description, kIndentation));
     list.push_back(scene_json(scene.name, "external", scene.description));
   }
-  report.print("\n{}\n",
-               wrapped("A name can stand in the place of any sequence file (`volccd detect octopi`, or octopi-quick); "
-                       "simulated ones are computed once."));
+  report.print("\n{}\n", wrapped("A name can stand in the place of any sequence file (`volccd detect octopi`, or "
+                                 "octopi-quick, octopi-seed-2, octopi-quick-seed-2); "
+                                 "simulated ones are computed once."));
   report.write("scene list", {{"scenes", list}});
   return kDone;
 }

@@ -48,7 +48,7 @@ std::vector<std::string> scene_names() {
 void check_name(const std::string& name_or_file) {
   if (name_or_file.find_first_of("/.") != std::string::npos || std::filesystem::exists(name_or_file)) return;
   const std::vector<std::string> names = scene_names();
-  if (std::find(names.begin(), names.end(), name_or_file) != names.end()) return;
+  if (scene_to_bake(name_or_file) || std::find(names.begin(), names.end(), name_or_file) != names.end()) return;
   throw InputError(
       name_or_file, "",
       "is neither a file nor a scene; `volccd scene list` has the scenes" + did_you_mean(name_or_file, names));
@@ -66,9 +66,10 @@ std::string sequence_file(const std::string& name_or_file, unsigned threads) {
 }
 
 std::string simulating_command(const std::string& scene) {
-  const bool quick = scene.ends_with("-quick");
-  return fmt::format("volccd scene generate {}{} -o {}.vtkhdf", quick ? scene.substr(0, scene.size() - 6) : scene,
-                     quick ? " --quick" : "", scene);
+  const SceneToBake bake = scene_to_bake(scene).value();
+  return fmt::format("volccd scene generate {}{}{} -o {}.vtkhdf", bake.scene->name,
+                     bake.settings.elements > 0 ? " --quick" : "",
+                     bake.settings.seed != 1 ? fmt::format(" --seed {}", bake.settings.seed) : "", scene);
 }
 
 std::string present_sequence_file(const std::string& name_or_file) {

@@ -34,7 +34,7 @@ class BakeProgress {
 /// nor a scene. `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
 std::string sequence_file(const std::string& name_or_file, unsigned threads = 0);
 
-/// The command that simulates a scene, "NAME" or "NAME-quick", and keeps it in the cache.
+/// The command that simulates a scene, by a name of scene_to_bake(), and keeps it in the cache.
 std::string simulating_command(const std::string& scene);
 
 /// The same for commands that do not simulate. Throws ConfigError, which names the command to run first, for a scene

@@ -1,6 +1,8 @@
 #include <volccd/experiments/scenes/sequences.hpp>
 
+#include <charconv>
 #include <filesystem>
+#include <string_view>
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
@@ -10,15 +12,7 @@ namespace volccd {
 
 namespace {
 
-constexpr const char* kQuick = "-quick";
-
-const SimulatedScene* simulated_by_name(const std::string& text, BakeSettings& settings) {
-  if (const SimulatedScene* scene = find_simulated_scene(text)) return scene;
-  if (!text.ends_with(kQuick)) return nullptr;
-  const SimulatedScene* scene = find_simulated_scene(text.substr(0, text.size() - std::string(kQuick).size()));
-  if (scene) settings.elements = scene->quick_elements;
-  return scene;
-}
+constexpr std::string_view kQuick = "-quick", kSeed = "-seed-";
 
 /// The scene is computed each time, which takes about a second, because a file does not say which build wrote it.
 std::string write_to_cache(const Scene& scene, const std::string& name) {
@@ -64,23 +58,38 @@ std::optional<std::string> deformed_scene_file(const std::string& name) {
   return write_to_cache(*make_scene("deform", {{"motion", scene->motion}, {"steps", scene->steps}}, &shape), name);
 }
 
+std::optional<SceneToBake> scene_to_bake(const std::string& name) {
+  SceneToBake found;
+  std::string rest = name;
+  if (const std::size_t at = rest.rfind(kSeed); at != std::string::npos) {
+    const char *first = rest.data() + at + kSeed.size(), *last = rest.data() + rest.size();
+    const auto [end, error] = std::from_chars(first, last, found.settings.seed);
+    if (error != std::errc() || end != last) return std::nullopt;
+    rest.erase(at);
+  }
+  const bool quick = rest.ends_with(kQuick);
+  if (quick) rest.erase(rest.size() - kQuick.size());
+  found.scene = find_simulated_scene(rest);
+  if (!found.scene) return std::nullopt;
+  if (quick) found.settings.elements = found.scene->quick_elements;
+  return found;
+}
+
 std::optional<std::string> file_to_simulate(const std::string& name_or_file) {
   if (std::filesystem::exists(name_or_file)) return std::nullopt;
   for (const ExternalScene& scene : external_scenes())
     if (scene.name == name_or_file) return std::nullopt;
-  BakeSettings settings;
-  const SimulatedScene* scene = simulated_by_name(name_or_file, settings);
-  if (!scene) return std::nullopt;
-  return baked_file(*scene, settings);
+  const std::optional<SceneToBake> found = scene_to_bake(name_or_file);
+  if (!found) return std::nullopt;
+  return baked_file(*found->scene, found->settings);
 }
 
 std::optional<std::string> resolve_scene(const std::string& name_or_file, Executor& executor, const BakeHooks& hooks) {
   if (std::filesystem::exists(name_or_file)) return name_or_file;
   for (const ExternalScene& scene : external_scenes())
     if (scene.name == name_or_file) return external_scene_file(scene);
-  BakeSettings settings;
-  if (const SimulatedScene* scene = simulated_by_name(name_or_file, settings))
-    return bake(*scene, settings, executor, hooks);
+  if (const std::optional<SceneToBake> found = scene_to_bake(name_or_file))
+    return bake(*found->scene, found->settings, executor, hooks);
   for (const SceneDescriptor& scene : scenes())
     if (scene.name == name_or_file && !scene.needs_mesh) return write_to_cache(*make_scene(scene.name, {}), scene.name);
   return name_or_file;

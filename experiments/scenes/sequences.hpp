@@ -30,6 +30,15 @@ bool is_deformed_scene(const std::string& name);
 /// of write_scene().
 std::optional<std::string> deformed_scene_file(const std::string& name);
 
+/// A simulated scene with settings, as a name gives them: NAME, NAME-quick, NAME-seed-N, NAME-quick-seed-N.
+struct SceneToBake {
+  const SimulatedScene* scene = nullptr;
+  BakeSettings settings = {};
+};
+
+/// Nothing if it is no such name.
+std::optional<SceneToBake> scene_to_bake(const std::string& name);
+
 /// The file in the cache, whether or not it exists, of the simulated scene that resolve_scene() takes `name_or_file`
 /// for; nothing if it is something else.
 std::optional<std::string> file_to_simulate(const std::string& name_or_file);
@@ -37,7 +46,7 @@ std::optional<std::string> file_to_simulate(const std::string& name_or_file);
 /// The sequence file for an argument `name_or_file`, which may be
 ///   - the path of an existing file;
 ///   - the name of an external scene;
-///   - the name of a simulated scene, perhaps with "-quick" appended: its file in the cache, computed if it is missing;
+///   - a name of scene_to_bake(): its file in the cache, computed if it is missing;
 ///   - the name of a scene that needs no input (`builtin`), which is then written to the cache.
 /// Any other text is returned unchanged, so that opening it gives an error message. The first of these that applies
 /// counts. Returns nothing if the hooks interrupted the computation. Throws the exceptions of bake() and write_scene().

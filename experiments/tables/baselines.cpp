@@ -1,6 +1,7 @@
 #include <volccd/experiments/tables/baselines.hpp>
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -13,7 +14,9 @@ using nlohmann::json;
 
 namespace {
 
-constexpr const char *kTable = "d", *kOwn = "own";  ///< the column `table` of the entrants, and of a caller's pipelines
+/// The column `table` of the entrants, of a caller's pipelines, and of the small scenes with several seeds.
+constexpr const char *kTable = "d", *kOwn = "own", *kSeedTable = "seeds";
+constexpr int kSeeds = 3;
 constexpr const char* kFilters = "feature-filter=feature-kdop,coplanarity";
 
 /// An entrant, with its names in rows and tables.
@@ -91,9 +94,10 @@ struct BaselineRows {
   }
 };
 
-std::vector<BaselineRows> scenes_of(const Rows& rows) {
+std::vector<BaselineRows> scenes_of(const Rows& rows, const std::vector<json>& tables = {kTable, kOwn}) {
   std::vector<BaselineRows> scenes;
-  for (const Rows& some : rows.groups({"scene"})) scenes.push_back({some.value("scene"), some});
+  for (const Rows& some : rows.with_any("table", tables).groups({"scene"}))
+    scenes.push_back({some.value("scene"), some});
   return scenes;
 }
 
@@ -149,6 +153,21 @@ TitledTable theorems(const std::vector<BaselineRows>& scenes) {
           "stars: star-orphans in place of the O-Set; flood: boundary-flood\n"};
 }
 
+/// Empty without small scenes.
+std::vector<TitledTable> seeds(const std::vector<BaselineRows>& scenes) {
+  TextTable table({"scene", "elements", "strongest", "VolCCD+ over it", "VolCCD+ over NavCCD"});
+  for (const BaselineRows& scene : scenes) {
+    const TableEntrant& best = scene.strongest();
+    table.add({scene.scene, grouped(static_cast<std::uint64_t>(scene.rows.median("elements"))), best.title,
+               interval_text(scene.speedup(best, named("VolCCD+"))),
+               interval_text(scene.speedup(named("NavCCD"), named("VolCCD+")))});
+  }
+  if (scenes.empty()) return {};
+  return {{"Several seeds, small scenes", table,
+           "what is random in a scene: positions, directions, speeds; strongest: of NavCCD, the same without adjacent "
+           "pairs and with filters, and VolCCD+ without its theorems\n"}};
+}
+
 TitledTable by_contacts(const std::vector<BaselineRows>& scenes) {
   TextTable table({"scene", "steps with contacts", "VolCCD+, ms", "speed-up", "steps without", "VolCCD+, ms there",
                    "speed-up there"});
@@ -180,22 +199,46 @@ TitledTable first_steps(const std::vector<BaselineRows>& scenes, const std::vect
   return {"Cold start: the first step of each, ms", table, "not in the means above\n"};
 }
 
+/// Which entrants run on the small scenes.
+bool varies_with_seed(const TableEntrant& name) {
+  constexpr std::array kTitles = {"NavCCD", "with filters", "no theorem", "VolCCD+"};
+  return std::find(kTitles.begin(), kTitles.end(), name.title) != kTitles.end();
+}
+
+/// The simulated scenes at their small size, with each seed.
+std::vector<TableScene> scenes_with_seeds(const PlanContext& context) {
+  std::vector<TableScene> found;
+  for (const std::string name : {"octopi", "bullet", "airbag", "liver", "crash"})
+    for (int seed = 1; seed <= kSeeds && context.full && context.own_scenes.empty(); ++seed) {
+      const std::string scene = fmt::format("{}-quick-seed-{}", name, seed);
+      if (const std::optional<std::string> file = context.file_of(scene)) found.push_back({scene, *file});
+    }
+  return found;
+}
+
+SceneRun run_of(const PlanContext& context, const TableScene& scene, const char* table,
+                bool (*takes)(const TableEntrant&)) {
+  SceneRun run{scene.name, scene.file, table_config(scene.file), table_windows(context, scene.file), {}};
+  for (const TableEntrant& name : names()) {
+    if (!is_there(context.registry, name) || !takes(name)) continue;
+    run.entrants.push_back(entrant(context.registry, table, name.preset, name.settings));
+    run.entrants.back().variant = name.variant;
+  }
+  return run;
+}
+
 }  // namespace
 
 ExperimentPlan baselines_plan(const PlanContext& context) {
   ExperimentPlan plan{"baselines", context.full ? "full" : "quick", context.full ? kFullRounds : 1, {}};
   if (context.full) plan.processes = kFullProcesses;
   for (const TableScene& scene : table_scenes(context)) {
-    SceneRun run{scene.name, scene.file, table_config(scene.file), table_windows(context, scene.file), {}};
-    for (const TableEntrant& name : names()) {
-      if (!is_there(context.registry, name)) continue;
-      run.entrants.push_back(entrant(context.registry, kTable, name.preset, name.settings));
-      run.entrants.back().variant = name.variant;
-    }
+    plan.runs.push_back(run_of(context, scene, kTable, [](const TableEntrant&) { return true; }));
     for (const std::string& pipeline : context.pipelines)
-      run.entrants.push_back(entrant(context.registry, kOwn, pipeline));
-    plan.runs.push_back(std::move(run));
+      plan.runs.back().entrants.push_back(entrant(context.registry, kOwn, pipeline));
   }
+  for (const TableScene& scene : scenes_with_seeds(context))
+    plan.runs.push_back(run_of(context, scene, kSeedTable, varies_with_seed));
   return plan;
 }
 
@@ -203,8 +246,10 @@ std::vector<TitledTable> baselines_tables(const json& record) {
   const Rows rows(record);
   const std::vector<BaselineRows> scenes = scenes_of(rows);
   const std::vector<TableEntrant> entrants = table_entrants(rows);
-  return {ratios(scenes), times(scenes, entrants), theorems(scenes), by_contacts(scenes),
-          first_steps(scenes, entrants)};
+  std::vector<TitledTable> tables = {ratios(scenes), times(scenes, entrants), theorems(scenes), by_contacts(scenes),
+                                     first_steps(scenes, entrants)};
+  for (TitledTable& table : seeds(scenes_of(rows, {kSeedTable}))) tables.push_back(std::move(table));
+  return tables;
 }
 
 json baselines_summary(const json& record) {

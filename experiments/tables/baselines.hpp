@@ -10,13 +10,14 @@ namespace volccd {
 ///   feature filters, and with the broad phases of Embree and CGAL where the program has them; VolCCD+ with neither of
 ///   its theorems, which is the paper's culling with today's filters;
 /// - VolCCD; VolCCD+ with one of its theorems, the boundary flood or clear stars; VolCCD+; the context's pipelines.
+/// A full run also has the simulated scenes at their small size with three seeds, for some of these.
 ExperimentPlan baselines_plan(const PlanContext& context);
 
-/// Tables of times, of ratios with their intervals, of the theorems, of steps with contacts and without, and of first
-/// steps.
+/// Tables of times, of ratios with their intervals, of the theorems, of steps with contacts and without, of first
+/// steps, and of the seeds.
 std::vector<TitledTable> baselines_tables(const nlohmann::json& record);
 
-/// An object for each scene; docs/record.schema.json lists its keys.
+/// An object for each scene, without those with several seeds; docs/record.schema.json lists its keys.
 nlohmann::json baselines_summary(const nlohmann::json& record);
 
 }  // namespace volccd

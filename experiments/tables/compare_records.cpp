@@ -196,7 +196,9 @@ void compare_drifts(RecordComparison& result) {
   std::vector<RecordComparison::Drift>& drifts = result.drifts;
   std::sort(drifts.begin(), drifts.end(), [](const auto& a, const auto& b) { return a.ratio < b.ratio; });
   if (drifts.size() < kMinForDrift) return;
-  const double middle = drifts[drifts.size() / 2].ratio;
+  std::vector<double> ratios;
+  for (const RecordComparison::Drift& drift : drifts) ratios.push_back(drift.ratio);
+  const double middle = median(ratios);
   for (const auto& [question, ratio] : drifts) {
     const bool slower = ratio > middle * (1 + kMaxTimeTolerance), faster = ratio < middle / (1 + kMaxTimeTolerance);
     result.slower += slower;

@@ -170,6 +170,7 @@ TEST_F(CompareRecords, AScenesDriftIsAgainstThatOfTheOtherScenes) {
   EXPECT_EQ(0u, compared(before, rows({1, 2.4, 3})).slower);
   EXPECT_EQ(0u, compared(before, rows({1.5, 3, 4.5})).slower);
   EXPECT_EQ(1u, compared(before, rows({1.5, 3, 6})).slower);
+  EXPECT_EQ(0u, compared(rows({1, 2, 3, 4}), rows({1, 2, 4.2, 5.6})).faster) << "1 and 1.4 times, of two scenes each";
 }
 
 /// The factors that the help text promises to see.

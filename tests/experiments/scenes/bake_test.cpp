@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <tuple>
 
 #include <unistd.h>
 
@@ -279,6 +280,22 @@ TEST_F(Bake, NamesBecomeFiles) {
   ASSERT_EQ(external.size(), 1u);
   EXPECT_EQ(external[0].name, "openradioss-bullet");
   EXPECT_EQ(file, (root() / "openradioss-bullet.vtkhdf").string());
+}
+
+TEST(SceneToBake, IsASizeAndASeed) {
+  const SimulatedScene* liver = find_simulated_scene("liver");
+  for (const auto& [name, elements, seed] :
+       {std::tuple("liver", 0, 1u), std::tuple("liver-quick", liver->quick_elements, 1u),
+        std::tuple("liver-seed-20", 0, 20u), std::tuple("liver-quick-seed-3", liver->quick_elements, 3u)}) {
+    const std::optional<SceneToBake> found = scene_to_bake(name);
+    ASSERT_TRUE(found) << name;
+    EXPECT_EQ(found->scene, liver);
+    EXPECT_EQ(found->settings.elements, elements) << name;
+    EXPECT_EQ(found->settings.seed, seed) << name;
+  }
+  for (const char* name : {"liver-seed-", "liver-seed-x", "liver-seed-2-quick", "liver-quick-quick", "-quick",
+                           "builtin", "liver-seed--1", "liver-seed-99999999999999999999"})
+    EXPECT_FALSE(scene_to_bake(name)) << name;
 }
 
 TEST(SimulatedScenes, TheListHasThemAll) {

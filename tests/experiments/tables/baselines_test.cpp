@@ -134,9 +134,26 @@ TEST_F(Baselines, TablesHaveStepsWithAndWithoutContactsAndPipelinesOfTheCaller) 
     if (row.at("motion") < 3) row["contacts"] = 0;
   const std::vector<TitledTable> tables = baselines_tables(made);
   EXPECT_NE(render(tables, TableFormat::text).find("HashCCD"), std::string::npos);
+  EXPECT_EQ(tables.size(), 5u) << "none of seeds";
   const auto cells = tables.at(3).table.rows().at(1);
   EXPECT_EQ(cells.at(1), "5") << "with contacts";
   EXPECT_EQ(cells.at(4), "2");
+}
+
+TEST_F(Baselines, SeedsHaveATableOfTheirOwn) {
+  ExperimentPlan plan = baselines_plan({registry_, true, {}, {}, [&](const std::string& name) {
+                                          return name.starts_with("octopi") ? std::optional(file_) : std::nullopt;
+                                        }});
+  ASSERT_EQ(plan.runs.size(), 4u) << "the scene, and three seeds";
+  plan.rounds = plan.processes = 1;
+  for (SceneRun& run : plan.runs) run.windows = {{1, 2}};
+  const json made = {{"rows", rows_of(plan, 1, "seeds")}};
+  EXPECT_EQ(baselines_summary(made).size(), 1u);
+  const std::vector<TitledTable> tables = baselines_tables(made);
+  EXPECT_EQ(tables.at(0).table.rows().size(), 2u) << "a header, and the scene";
+  ASSERT_EQ(tables.size(), 6u);
+  EXPECT_EQ(tables.at(5).table.rows().size(), 4u);
+  EXPECT_EQ(tables.at(5).table.rows().at(2).at(0), "octopi-quick-seed-2");
 }
 
 }  // namespace
