@@ -110,7 +110,7 @@ EXPERIMENTS = {one["name"] for one in json.loads(run("experiment", "list", "--js
 
 
 def known_sequence(name):
-    return "." in name or name.isupper() or name.removesuffix("-quick") in SCENES
+    return "." in name or name.isupper() or re.sub(r"(-quick)?(-seed-\d+)?$", "", name) in SCENES
 
 
 def problem_in_value(option, value):
