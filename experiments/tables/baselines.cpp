@@ -163,9 +163,10 @@ std::vector<TitledTable> seeds(const std::vector<BaselineRows>& scenes) {
                interval_text(scene.speedup(named("NavCCD"), named("VolCCD+")))});
   }
   if (scenes.empty()) return {};
-  return {{"Several seeds, small scenes", table,
-           "what is random in a scene: positions, directions, speeds; strongest: of NavCCD, the same without adjacent "
-           "pairs and with filters, and VolCCD+ without its theorems\n"}};
+  return {
+      {"Several seeds, small scenes", table,
+       "a seed changes positions, directions or speeds at the start; strongest: of NavCCD, the same without adjacent "
+       "pairs and with filters, and VolCCD+ without its theorems\n"}};
 }
 
 TitledTable by_contacts(const std::vector<BaselineRows>& scenes) {

@@ -23,10 +23,10 @@ struct DirectionCone {
   }
 };
 
-/// Whether, at t = 0, the ring of these directed sides surrounds `up` exactly once as seen from v. Pre: for each side
-/// (a, b), the normal of the triangle (v, a, b) has a positive dot product with `up`. Projected onto the plane
-/// perpendicular to `up`, the sectors of these triangles are narrower than half a turn; the ring surrounds `up` once if
-/// a direction in the first sector is in no other.
+/// Whether, at t = 0, the ring of these directed sides surrounds `up` exactly once as seen from v. Pre: there is a
+/// side; for each side (a, b), the normal of the triangle (v, a, b) has a positive dot product with `up`. Projected
+/// onto the plane perpendicular to `up`, the sectors of these triangles are narrower than half a turn; the ring
+/// surrounds `up` once if a direction in the first sector is in no other.
 inline bool winds_once(const Motion& motion, Index v, std::span<const std::array<Index, 2>> sides, const Vec3& up) {
   const Vec3 at = motion.point(v, 0);
   const auto way = [&](Index w) -> Vec3 { return motion.point(w, 0) - at; };
