@@ -67,7 +67,6 @@ volccd_contact contact_of(const Contact& contact, const Mesh& mesh) {
 
 void fill(Results& out, const StepResult& result, const Mesh& mesh) {
   fill_contacts(out.contacts, result.contacts, mesh);
-  fill_contacts(out.left_out, result.left_out, mesh);
   out.ends.clear();
   out.ends.reserve(result.ends.size());
   for (const ContactEnd& end : result.ends) out.ends.push_back(end_of(end));
@@ -79,7 +78,6 @@ void fill(Results& out, const StepResult& result, const Mesh& mesh) {
 
 void clear(Results& out) noexcept {
   out.contacts.clear();
-  out.left_out.clear();
   out.ends.clear();
   out.initial_overlaps.clear();
   out.statistics.clear();

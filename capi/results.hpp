@@ -12,7 +12,7 @@
 namespace volccd::capi {
 
 struct Results {
-  std::vector<volccd_contact> contacts, left_out;
+  std::vector<volccd_contact> contacts;
   std::vector<volccd_contact_end> ends;
   std::vector<std::int64_t> initial_overlaps;  ///< ids, two for each pair
   std::vector<volccd_statistic> statistics;

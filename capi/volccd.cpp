@@ -138,10 +138,6 @@ int volccd_contact_ends(const volccd_detector* detector, const volccd_contact_en
   return guarded([&] { give(object_of("detector", detector).results.ends, 1, "ends", ends, count); });
 }
 
-int volccd_left_out(const volccd_detector* detector, const volccd_contact** contacts, int64_t* count) {
-  return guarded([&] { give(object_of("detector", detector).results.left_out, 1, "contacts", contacts, count); });
-}
-
 int volccd_initial_overlaps(const volccd_detector* detector, const int64_t** pairs, int64_t* count) {
   return guarded([&] { give(object_of("detector", detector).results.initial_overlaps, 2, "pairs", pairs, count); });
 }

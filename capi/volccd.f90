@@ -69,7 +69,7 @@ module volccd
   contains
     procedure :: message
     procedure :: create, edit, set_separation, step, step_quadratic, first
-    procedure :: contacts, contact_ends, left_out, initial_overlaps, statistic
+    procedure :: contacts, contact_ends, initial_overlaps, statistic
     procedure :: free
     final :: finalize
   end type
@@ -175,12 +175,6 @@ module volccd
       integer(c_int64_t) :: count
     end function
     integer(c_int) function c_contact_ends(detector, entries, count) bind(c, name="volccd_contact_ends")
-      import :: c_int, c_int64_t, c_ptr
-      type(c_ptr), value :: detector
-      type(c_ptr) :: entries
-      integer(c_int64_t) :: count
-    end function
-    integer(c_int) function c_left_out(detector, entries, count) bind(c, name="volccd_left_out")
       import :: c_int, c_int64_t, c_ptr
       type(c_ptr), value :: detector
       type(c_ptr) :: entries
@@ -330,17 +324,6 @@ contains
     integer(c_int64_t) :: n
     n = 0
     if (c_contacts(self%handle, entries, n) /= volccd_ok) n = 0
-    list = contacts_of(entries, n)
-  end function
-
-  ! Contacts between solids of thickened shells that stem from one vertex.
-  function left_out(self) result(list)
-    class(volccd_detector), intent(in) :: self
-    type(volccd_contact), allocatable :: list(:)
-    type(c_ptr) :: entries
-    integer(c_int64_t) :: n
-    n = 0
-    if (c_left_out(self%handle, entries, n) /= volccd_ok) n = 0
     list = contacts_of(entries, n)
   end function
 

@@ -136,12 +136,11 @@ typedef struct volccd_contact_end {
 } volccd_contact_end;
 
 /** The contacts of the last step in canonical order: by kind, then by vertices. The same bits for any number of
- * threads, compiler and processor. Before the first step there are none. */
+ * threads, compiler and processor. Before the first step there are none. Contacts between features of thickened shells
+ * that stem from one vertex are not among them. */
 int volccd_contacts(const volccd_detector* detector, const volccd_contact** contacts, int64_t* count);
 /** With VOLCCD_STEP_ENDS: an entry for each contact, in the same order. */
 int volccd_contact_ends(const volccd_detector* detector, const volccd_contact_end** ends, int64_t* count);
-/** If shells are thickened: contacts between solids that stem from one vertex, which are not among the contacts. */
-int volccd_left_out(const volccd_detector* detector, const volccd_contact** contacts, int64_t* count);
 /** With VOLCCD_STEP_INITIAL_OVERLAPS: ids of elements that overlap at time 0, [2 * count]. */
 int volccd_initial_overlaps(const volccd_detector* detector, const int64_t** pairs, int64_t* count);
 

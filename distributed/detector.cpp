@@ -48,14 +48,14 @@ std::string options_text(const Pipeline& pipeline, const Config& config) {
                       config.skin, config.max_imbalance, static_cast<int>(config.lists.use), config.lists.budget,
                       config.lists.steps, static_cast<int>(config.filter.scope()));
   for (const auto& [a, b] : config.filter.excluded()) text += fmt::format(" without {}-{}", a, b);
+  if (config.leave_out_shell_neighbours) text += ", without shell neighbours";
   return text;
 }
 
 std::string request_text(const Motion& motion, double separation, const Request& request) {
-  return fmt::format("{} control points, separation {}, {}{}{}", motion.control_points(), separation,
+  return fmt::format("{} control points, separation {}, {}{}", motion.control_points(), separation,
                      request.query == Query::first ? "first contact" : "all contacts",
-                     request.initial_overlaps ? ", initial overlaps" : "",
-                     request.leave_out_shell_neighbours ? ", without shell neighbours" : "");
+                     request.initial_overlaps ? ", initial overlaps" : "");
 }
 
 void check_request(const Request& request) {
@@ -109,8 +109,8 @@ struct Detector::State {
         imbalance(config.max_imbalance) {}
 
   void check_step(const Motion& own, const Request& request);
-  bool lists_hold(const Request& request) const;
-  void make_lists(const Request& request);
+  bool lists_hold() const;
+  void make_lists();
   void make_piece(const ReceivedElements& received);
   void run(const Request& request);
   void take_result(const Request& request);
@@ -146,10 +146,12 @@ Detector::Detector(Exchange& exchange, const Registry& registry, const PipelineS
   State& s = *state_;
   run_on_all(exchange, "options", [&] {
     check_config(config);
-    s.runner.emplace(
-        make_pipeline(registry, spec),
-        RunConfig{
-            .executor = &s.executor, .separation = config.separation, .filter = config.filter, .lists = config.lists});
+    s.runner.emplace(make_pipeline(registry, spec),
+                     RunConfig{.executor = &s.executor,
+                               .separation = config.separation,
+                               .filter = config.filter,
+                               .leave_out_shell_neighbours = config.leave_out_shell_neighbours,
+                               .lists = config.lists});
   });
   require_same(exchange, "options", options_text(s.runner->pipeline(), config));
 }
@@ -216,10 +218,10 @@ const RankResult& Detector::step(const Motion& own, const Request& request) {
                StageClock clock;
                const StageTimer timer(clock, rank.piece_seconds);
                s.home->make_boxes(s.runner->separation(), s.executor);
-               anew = lists_before && s.divided && s.lists_hold(request) ? 0 : 1;
+               anew = lists_before && s.divided && s.lists_hold() ? 0 : 1;
              },
              {&anew, 1});
-  if (anew != 0) s.make_lists(request);
+  if (anew != 0) s.make_lists();
   s.motion = &s.import.update(own);
   rank.bytes_received += s.import.bytes_received();
   rank.neighbours = s.import.neighbours();
@@ -253,14 +255,13 @@ void Detector::State::check_step(const Motion& own, const Request& request) {
 }
 
 /// Whether the lists have all elements that ranks need now, and not many more.
-bool Detector::State::lists_hold(const Request& request) const {
-  if (piece_config.vertex_group != (request.leave_out_shell_neighbours ? 3 : 1)) return false;
+bool Detector::State::lists_hold() const {
   return targets.cover(*home, regions) && !targets.too_many(*home, config.skin, regions);
 }
 
 /// Divides space if that is due, gives elements to ranks, and makes the piece of this rank if the present one does not
 /// serve.
-void Detector::State::make_lists(const Request& request) {
+void Detector::State::make_lists() {
   double& seconds = result.rank.piece_seconds;
   std::vector<MotionBox> boxes;
   {
@@ -283,7 +284,7 @@ void Detector::State::make_lists(const Request& request) {
   held = received.elements.size();
   copies = received.copies;
   result.rank.bytes_received += received.bytes;
-  piece_config = {request.leave_out_shell_neighbours ? 3 : 1, home->edge_set()};
+  piece_config = {config.leave_out_shell_neighbours ? 3 : 1, home->edge_set()};
   make_piece(received);
 }
 
@@ -337,7 +338,6 @@ void Detector::State::take_result(const Request& request) {
   result.rank.seconds = found.statistics.seconds;
   const Mesh& mesh = piece.topology().mesh();
   for (const Contact& contact : found.contacts) result.contacts.push_back(to_rank_contact(contact, mesh));
-  for (const Contact& contact : found.left_out) result.left_out.push_back(to_rank_contact(contact, mesh));
   if (!request.initial_overlaps) return;
   for (const ElementPair pair : found.initial_overlaps) {
     const Vec3 point = reference_point(start_box(mesh, pair.a, *motion).low, start_box(mesh, pair.b, *motion).low,

@@ -23,6 +23,9 @@ struct Config {
   double separation = 0;
   /// The pairs of objects whose contacts are found.
   ObjectFilter filter = {};
+  /// Contacts of shell neighbours are not found (Step::leave_out_shell_neighbours). Vertices 3 i, 3 i + 1 and 3 i + 2
+  /// of all meshes then stem from one shell vertex.
+  bool leave_out_shell_neighbours = false;
   /// Lists of elements are made with boxes that are greater by this part of their longest side on each side, and are
   /// kept while no box meets another region than its greater one did; finite, >= 0. Greater: fewer new lists, more
   /// elements on each rank.

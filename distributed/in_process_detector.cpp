@@ -21,7 +21,9 @@ void check_request(const Request& request, const Topology& topology, const Motio
   if (motion.vertex_count() != mesh.vertex_count())
     throw InputError("step", "motion",
                      fmt::format("moves {} vertices, the mesh has {}", motion.vertex_count(), mesh.vertex_count()));
-  if (!request.leave_out_shell_neighbours) return;
+}
+
+void check_shell_vertices(const Mesh& mesh) {
   bool groups = mesh.vertex_count() % 3 == 0;
   for (Index v = 0; groups && v < mesh.vertex_count(); ++v)
     groups = mesh.vertex_id(v) == mesh.vertex_id(v / 3 * 3) + v % 3 && mesh.vertex_id(v / 3 * 3) % 3 == 0;
@@ -75,7 +77,9 @@ struct InProcessDetector::Rank {
 
 InProcessDetector::InProcessDetector(int ranks, const Registry& registry, const PipelineSpec& spec,
                                      const Config& config)
-    : in_process_(ranks), ranks_(static_cast<std::size_t>(ranks)) {
+    : leave_out_shell_neighbours_(config.leave_out_shell_neighbours),
+      in_process_(ranks),
+      ranks_(static_cast<std::size_t>(ranks)) {
   in_process_.run([&](Exchange& exchange) {
     ranks_[static_cast<std::size_t>(exchange.rank())] = std::make_unique<Rank>(exchange, registry, spec, config);
   });
@@ -94,6 +98,7 @@ void InProcessDetector::set_separation(double separation) {
 
 const StepResult& InProcessDetector::step(const Topology& topology, const Motion& motion, const Request& request) {
   check_request(request, topology, motion);
+  if (leave_out_shell_neighbours_) check_shell_vertices(topology.mesh());
   // If this step fails, the next one gives the ranks its topology, whichever they have then.
   const bool same_mesh = std::exchange(version_, 0) == topology.version();
   in_process_.run([&](Exchange& exchange) { step_of_rank(exchange, topology, motion, request, same_mesh); });
@@ -125,7 +130,6 @@ void InProcessDetector::step_of_rank(Exchange& exchange, const Topology& topolog
 /// Appends what a rank found, with slots of the topology.
 void InProcessDetector::append(const RankResult& found, const Topology& topology) {
   for (const RankContact& contact : found.contacts) result_.contacts.push_back(to_contact(contact, topology));
-  for (const RankContact& contact : found.left_out) result_.left_out.push_back(to_contact(contact, topology));
   for (const auto& pair : found.initial_overlaps) {
     const Index a = topology.mesh().find_element(pair[0]), b = topology.mesh().find_element(pair[1]);
     result_.initial_overlaps.push_back({std::min(a, b), std::max(a, b)});
@@ -139,13 +143,9 @@ void InProcessDetector::append(const RankResult& found, const Topology& topology
 /// Sets the order of the result, and the counts that are not sums of those of the ranks.
 void InProcessDetector::finish() {
   const auto less = [](const Contact& x, const Contact& y) { return volccd::canonical_less(x, y); };
-  const auto sort = [&](std::vector<Contact>& contacts) {
-    std::ranges::sort(contacts, less);
-    if (std::ranges::adjacent_find(contacts, std::not_fn(less)) != contacts.end())
-      throw std::logic_error("two ranks found the same contact");
-  };
-  sort(result_.contacts);
-  sort(result_.left_out);
+  std::ranges::sort(result_.contacts, less);
+  if (std::ranges::adjacent_find(result_.contacts, std::not_fn(less)) != result_.contacts.end())
+    throw std::logic_error("two ranks found the same contact");
   std::ranges::sort(result_.initial_overlaps);
   Statistics& statistics = result_.statistics;
   count_lists(statistics, statistics.steps);  // each rank that has elements counts one

@@ -30,7 +30,7 @@ class InProcessDetector {
   /// those of the topology. Counts and times in its statistics are the sums of all ranks; `steps` is 1, and
   /// the step counts as fresh if it was fresh on any rank, otherwise as one that made, refreshed or used a list, in
   /// this order. If the topology is another one than before, or has been edited, the ranks receive all of it. If shell
-  /// neighbours are to be left out, the vertices of a shell vertex have the ids 3 i, 3 i + 1 and 3 i + 2.
+  /// neighbours are left out, the vertices of a shell vertex have the ids 3 i, 3 i + 1 and 3 i + 2.
   ///
   /// Throws ConfigError if the request has ends, tests, candidates or an observer, InputError for a motion of another
   /// number of vertices, and the errors of Detector.
@@ -56,6 +56,7 @@ class InProcessDetector {
   void append(const RankResult& found, const Topology& topology);
   void finish();
 
+  bool leave_out_shell_neighbours_;
   InProcessRanks in_process_;
   std::vector<std::unique_ptr<Rank>> ranks_;
   std::uint64_t version_ = 0;  ///< of the topology that the ranks have, 0 if none

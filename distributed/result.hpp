@@ -55,7 +55,7 @@ struct RankStatistics {
 
 /// The contacts that one rank keeps. Each contact of the mesh is kept by one rank.
 struct RankResult {
-  std::vector<RankContact> contacts, left_out;  ///< in canonical order
+  std::vector<RankContact> contacts;  ///< in canonical order
   /// If requested: pairs of element ids, the smaller one first, ascending.
   std::vector<std::array<std::int64_t, 2>> initial_overlaps;
   Statistics statistics;  ///< of this rank's pipeline

@@ -16,9 +16,9 @@ std::vector<PictureContact> find_contacts(SequenceReader& reader, int step, Shel
   SequenceStepper stepper(reader, config);
   stepper.go_to(step);
   const Registry registry = Registry::standard();
-  StepRunner runner(Pipeline(registry, registry.pipeline("VolCCD+")), {.threads = threads});
-  const StepResult& result =
-      runner.run(stepper.topology(), stepper.motion(), {.leave_out_shell_neighbours = shells == ShellModel::solid});
+  StepRunner runner(Pipeline(registry, registry.pipeline("VolCCD+")),
+                    {.threads = threads, .leave_out_shell_neighbours = shells == ShellModel::solid});
+  const StepResult& result = runner.run(stepper.topology(), stepper.motion());
   std::vector<PictureContact> contacts;
   contacts.reserve(result.contacts.size());
   for (const Contact& contact : result.contacts) contacts.push_back({contact.kind, contact.vertices, contact.point});

@@ -48,6 +48,7 @@ struct Detector::State {
                 .executor = config.executor,
                 .separation = config.separation,
                 .filter = config.filter,
+                .leave_out_shell_neighbours = its_shells.has_value(),
                 .lists = config.lists}),
         shells(std::move(its_shells)),
         topology(std::move(mesh), runner.executor(), config.edge_set) {}
@@ -121,9 +122,7 @@ const StepResult& Detector::step(std::span<const Vec3> x0, std::span<const Vec3>
 }
 
 const StepResult& Detector::step(const Motion& motion, const Request& request, double t_max) {
-  Request asked = request;
-  if (state_->shells) asked.leave_out_shell_neighbours = true;
-  return state_->runner.run(state_->topology, motion, asked, t_max);
+  return state_->runner.run(state_->topology, motion, request, t_max);
 }
 
 std::optional<Contact> Detector::first(std::span<const Vec3> x0, std::span<const Vec3> x1) {

@@ -54,8 +54,8 @@ struct DetectorEdit {
 ///
 /// Thickened shells: with a thickness, triangles and quads become wedges and hexahedra along the vertex normals at both
 /// ends of a step (mesh/shells.hpp). Positions and edits are still those of the shell mesh, mesh(). topology() and the
-/// contacts have the vertices of the solid mesh: vertex v of a contact stems from shell_vertex(v). Contacts between
-/// features that stem from one vertex are in StepResult::left_out.
+/// contacts have the vertices of the solid mesh: vertex v of a contact stems from shell_vertex(v). Contacts
+/// between features that stem from one vertex are not asked for (RunConfig::leave_out_shell_neighbours).
 ///
 /// Movable. One thread at a time; different Detectors are independent unless they share an executor. After an exception
 /// from a step the mesh is unchanged, result() is unspecified, and the next step is that of a new Detector. After an
@@ -78,7 +78,7 @@ class Detector {
   /// The contacts of the motion on straight lines from x0 (t = 0) to x1 (t = 1). Contacts later than t_max, in 0 .. 1,
   /// need not be found. The result is valid until the next step. Throws InputError ("motion", "x0", "xm" or "x1",
   /// index) for a wrong number of positions and for one that is not finite, ConfigError for an invalid t_max, and the
-  /// exceptions of Pipeline::run. With thickened shells, Request::leave_out_shell_neighbours is always set.
+  /// exceptions of Pipeline::run.
   const StepResult& step(std::span<const Vec3> x0, std::span<const Vec3> x1, const Request& request = {},
                          double t_max = 1);
   /// The same for constant acceleration: quadratic Bezier curves with middle control points xm, which are not points of

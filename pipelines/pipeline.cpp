@@ -99,14 +99,14 @@ void Pipeline::make_states(Workspace::Data& data) const {
   data.intact = true;
 }
 
-void Pipeline::check(const Step& step, const Workspace& workspace, const Request& request) const {
+void Pipeline::check(const Step& step, const Workspace& workspace) const {
   if (!workspace.data_ || workspace.data_->pipeline != id_)
     throw ConfigError(
         fmt::format("pipeline {}: the workspace is not one of this pipeline; make it with make_workspace() of the "
                     "pipeline that runs",
                     spec_.name));
   check(step);
-  if (request.leave_out_shell_neighbours && step.mesh().vertex_count() % 3 != 0)
+  if (step.leave_out_shell_neighbours && step.mesh().vertex_count() % 3 != 0)
     throw ConfigError(
         fmt::format("shell neighbours can be left out of thickened shells only: the mesh has {} vertices, "
                     "not three for each vertex of a shell mesh",

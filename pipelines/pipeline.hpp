@@ -46,9 +46,6 @@ struct Request {
   bool count_adjacent = true;
   /// Fill StepResult::ends.
   bool ends = false;
-  /// The mesh is the solid mesh of a ShellThickener: contacts of features that correspond to the same vertex of the
-  /// shell mesh (share_shell_vertex) are not reported as contacts. All stages process their tests like all others.
-  bool leave_out_shell_neighbours = false;
   /// The tests to perform, in place of those that the stages find: a list that contains all that can be in contact
   /// (CandidateList). Only the feature filters and the narrow phase run; there are no initial overlaps.
   const TestBatch* tests = nullptr;
@@ -64,9 +61,6 @@ struct StepResult {
   std::vector<Contact> contacts;
   /// If requested: the features of each contact, in the same order, at the end of the step.
   std::vector<ContactEnd> ends;
-  /// The contacts that Request::leave_out_shell_neighbours excludes from `contacts`, in the same order. Empty for
-  /// Query::first, which does not find all of them.
-  std::vector<Contact> left_out;
   /// If requested: all pairs of non-adjacent elements, a < b, ascending, that step.filter allows and whose convex hulls
   /// have a common point at t = 0, including one element inside the other (with a separation d > 0: whose distance is
   /// at most d). Exact, and the same for every pipeline with a conservative broad phase (docs/initial_overlaps.md).
@@ -104,7 +98,7 @@ class Pipeline {
   class Run;
 
   void check(const Step& step) const;
-  void check(const Step& step, const Workspace& workspace, const Request& request) const;
+  void check(const Step& step, const Workspace& workspace) const;
   void make_states(Workspace::Data& data) const;
 
   PipelineSpec spec_;

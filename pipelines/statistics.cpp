@@ -41,7 +41,6 @@ Statistics& Statistics::operator+=(const Statistics& other) {
   ee_tests += other.ee_tests;
   contacts += other.contacts;
   contacts_at_start += other.contacts_at_start;
-  left_out += other.left_out;
   initial_overlaps += other.initial_overlaps;
   duplicates += other.duplicates;
   degenerate += other.degenerate;

@@ -47,11 +47,10 @@ struct Statistics {
   std::uint64_t orphan_tests = 0;            ///< tests from an orphan source or a flood
   std::uint64_t vf_tests = 0, ee_tests = 0;  ///< elementary tests performed by the narrow phase
   std::uint64_t contacts = 0;
-  std::uint64_t contacts_at_start = 0;  ///< contacts with Contact::at_start
-  std::uint64_t left_out = 0;           ///< contacts that are not in `contacts` because the request excludes them
-  std::uint64_t initial_overlaps = 0;   ///< element pairs listed; 0 if not requested
-  std::uint64_t duplicates = 0;  ///< contacts that were found repeatedly; not included in `contacts` and `left_out`
-  std::uint64_t degenerate = 0, undecided = 0;                    ///< sums of NarrowCounters
+  std::uint64_t contacts_at_start = 0;          ///< contacts with Contact::at_start
+  std::uint64_t initial_overlaps = 0;           ///< element pairs listed; 0 if not requested
+  std::uint64_t duplicates = 0;                 ///< contacts that were found repeatedly; not included in `contacts`
+  std::uint64_t degenerate = 0, undecided = 0;  ///< sums of NarrowCounters
   double earliest_toi = std::numeric_limits<double>::infinity();  ///< of all contacts; infinity if there are none
   double seconds = 0;                   ///< wall-clock time of run(); with one worker, the sum of the stages and a
                                         ///< remainder
@@ -84,7 +83,6 @@ void visit_values(const Statistics& s, Visit&& visit) {
   visit("ee_tests", s.ee_tests);
   visit("contacts", s.contacts);
   visit("contacts_at_start", s.contacts_at_start);
-  visit("left_out", s.left_out);
   visit("initial_overlaps", s.initial_overlaps);
   visit("duplicates", s.duplicates);
   visit("degenerate", s.degenerate);

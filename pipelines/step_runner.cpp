@@ -15,7 +15,7 @@ namespace {
 
 /// The time that the tests of a list took which found nothing, summed over workers.
 double time_in_vain(const Statistics& statistics) {
-  const auto found = static_cast<double>(statistics.contacts + statistics.left_out);
+  const auto found = static_cast<double>(statistics.contacts);
   double seconds = 0;
   for (const StageStatistics& stage : statistics.stages)
     if (stage.in > 0) seconds += stage.seconds * (1 - std::min(1.0, found / static_cast<double>(stage.in)));
@@ -30,6 +30,7 @@ StepRunner::StepRunner(Pipeline pipeline, RunConfig config)
       own_executor_(config.executor ? nullptr : make_executor(config.threads)),
       executor_(config.executor ? config.executor : own_executor_.get()),
       filter_(std::move(config.filter)),
+      leave_out_shell_neighbours_(config.leave_out_shell_neighbours),
       lists_(config.lists) {
   set_separation(config.separation);
   if (lists_.use == ListConfig::Use::never) return;
@@ -47,6 +48,7 @@ const StepResult& StepRunner::run(const Topology& topology, const Motion& motion
   if (!(t_max >= 0 && t_max <= 1)) throw ConfigError(fmt::format("t_max: {} is not within 0 .. 1", t_max));
   Step step{topology, motion, filter_, separation_};
   step.t_max = t_max;
+  step.leave_out_shell_neighbours = leave_out_shell_neighbours_;
   step.piece = piece;
   // Observers, initial overlaps and candidates need the stages that a list leaves out.
   if (lists_.use == ListConfig::Use::never || request.observer || request.initial_overlaps || request.candidates ||

@@ -24,6 +24,9 @@ struct RunConfig {
   double separation = 0;
   /// The pairs of objects whose contacts are found; default: all, including contacts within an object.
   ObjectFilter filter = {};
+  /// The meshes are solid meshes of thickened shells, and contacts of shell neighbours are not found
+  /// (Step::leave_out_shell_neighbours).
+  bool leave_out_shell_neighbours = false;
   /// Whether steps test lists of candidates of earlier steps. Contacts are those of fresh steps
   /// (docs/candidate_lists.md).
   ListConfig lists = {};
@@ -70,6 +73,7 @@ class StepRunner {
   std::unique_ptr<Executor> own_executor_;  ///< null if the caller gave one
   Executor* executor_;
   ObjectFilter filter_;
+  bool leave_out_shell_neighbours_;
   double separation_ = 0;
   StepResult result_;
   ListConfig lists_;

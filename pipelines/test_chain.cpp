@@ -32,11 +32,8 @@ std::size_t TestChain::bytes() const {
 }
 
 void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
-  const ObjectFilter& rule = step_->filter;
-  // If only some pairs of objects are excluded, most tests are included; fewer tests need to be looked up after the
-  // filters.
-  if (!rule.trivial() && (rule.scope() != PairScope::all || stages_->filters.empty())) {
-    const auto excluded = [&](FeaturePair pair) { return !rule.asks_for(step_->topology, kind, pair); };
+  if (drops_first()) {
+    const auto excluded = [&](FeaturePair pair) { return !step_->asks_for(kind, pair); };
     tests = {tests.begin(), std::remove_if(tests.begin(), tests.end(), excluded)};
   }
   StageTimer timer(clock_, statistics_[0].seconds);
@@ -47,6 +44,12 @@ void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
     run(kind, 0);
     tests = tests.subspan(taken);
   }
+}
+
+/// Whether tests that are not asked for are dropped before the filters, and not after them. Most tests are asked for,
+/// except where the scope of pairs is restricted, and after the filters fewer need to be looked up.
+bool TestChain::drops_first() const {
+  return step_->filter.scope() != PairScope::all || (stages_->filters.empty() && !step_->asks_for_all());
 }
 
 /// The tests that the first filter does not drop before their coordinates are gathered. It sees the others again.
@@ -93,9 +96,9 @@ void TestChain::run_filter(FeatureKind kind, std::size_t stage) {
   statistics_[stage].out += block.size() - static_cast<std::size_t>(dropped);
   observe(stage, block, keep);
   const bool last = stage + 1 == stages_->filters.size();
-  if (last && !step_->filter.trivial() && step_->filter.scope() == PairScope::all)
+  if (last && !drops_first() && !step_->asks_for_all())
     for (std::size_t i = 0; i < block.size(); ++i)
-      if (keep[i] != 0 && !step_->filter.asks_for(step_->topology, kind, block.pair(i))) keep[i] = 0;
+      if (keep[i] != 0 && !step_->asks_for(kind, block.pair(i))) keep[i] = 0;
   TestBlock& next = blocks(kind)[stage + 1];
   for (std::size_t begin = 0; begin < block.size();) {
     begin = next.append_kept(block, keep, begin);

@@ -33,9 +33,9 @@ struct TestStages {
 /// each kind, in a block for the next stage, which runs when that block is full. Therefore blocks are full although
 /// filters keep few tests.
 ///
-/// Tests that step.filter excludes are dropped: before the feature filters if the filter restricts the scope of pairs
-/// (inter or intra), otherwise after them. Reused from step to step; in steady state, it allocates memory for contacts
-/// only. Not thread-safe.
+/// Tests that the step does not ask for (Step::asks_for) are dropped: before the feature filters if the object filter
+/// restricts the scope of pairs (inter or intra), otherwise after them. Reused from step to step; in steady state, it
+/// allocates memory for contacts only. Not thread-safe.
 class TestChain {
  public:
   /// Begins a step and removes all tests and contacts. Results are added to `statistics`, which has as many entries as
@@ -68,6 +68,7 @@ class TestChain {
 
   Blocks& blocks(FeatureKind kind) { return blocks_[static_cast<std::size_t>(kind)]; }
   Step pruned_step() const;
+  bool drops_first() const;
   std::span<FeaturePair> select(FeatureKind kind, std::span<FeaturePair> tests);
   void run(FeatureKind kind, std::size_t stage);
   void run_filter(FeatureKind kind, std::size_t stage);

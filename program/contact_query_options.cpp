@@ -37,9 +37,7 @@ void ContactQueryOptions::add_to(CLI::App& command) {
 }
 
 Request ContactQueryOptions::request() const {
-  return {.query = first ? Query::first : Query::all,
-          .initial_overlaps = !overlaps.empty(),
-          .leave_out_shell_neighbours = query.leaves_out_shell_neighbours(sequence)};
+  return {.query = first ? Query::first : Query::all, .initial_overlaps = !overlaps.empty()};
 }
 
 /// "off", "auto", or a budget and a number of steps, "B:N".
@@ -55,7 +53,10 @@ ListConfig ContactQueryOptions::list_config() const {
 
 /// Frames of a file are so far apart that a skin makes more copies than it saves lists.
 distributed::Config ContactQueryOptions::rank_config(Executor& executor) const {
-  distributed::Config config{.executor = &executor, .filter = query.filter(), .lists = list_config()};
+  distributed::Config config{.executor = &executor,
+                             .filter = query.filter(),
+                             .leave_out_shell_neighbours = query.leaves_out_shell_neighbours(sequence),
+                             .lists = list_config()};
   if (substeps == 1) config.skin = 0;
   return config;
 }

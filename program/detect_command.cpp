@@ -82,7 +82,10 @@ class Detection {
       : options_(options),
         executor_(make_interruptible_executor(options.query.threads)),
         runner_(Pipeline(registry, options.spec(registry)),
-                {.executor = executor_.get(), .filter = options.query.filter(), .lists = options.list_config()}),
+                {.executor = executor_.get(),
+                 .filter = options.query.filter(),
+                 .leave_out_shell_neighbours = options.query.leaves_out_shell_neighbours(options.sequence),
+                 .lists = options.list_config()}),
         reader_(options.sequence.file),
         stepper_(reader_, options.sequence.config),
         range_(parse_steps(options.sequence.steps, stepper_.step_count(), options.sequence.file)),
@@ -195,6 +198,7 @@ class Detection {
     elements_ += topology.mesh().element_count();
   }
 
+  bool leaves_out_shell_neighbours() const { return options_.query.leaves_out_shell_neighbours(options_.sequence); }
   const StepResult& result() const { return ranks_ ? ranks_->result() : runner_.result(); }
   const Pipeline& pipeline() const { return ranks_ ? ranks_->pipeline() : runner_.pipeline(); }
 
@@ -223,7 +227,7 @@ class Detection {
                    to_string(pipeline().guarantee()), counted(executor_->workers(), "thread"),
                    table.text(report_->width()));
     print_summary();
-    if (request_.leave_out_shell_neighbours) print_left_out();
+    if (leaves_out_shell_neighbours()) report_->print("{}\n", kShellNeighboursLeftOut);
     print_part_pairs();
     print_stages(total_, request_.initial_overlaps, *report_);
     if (ranks_) report_->print("\n{}", rank_table(rank_sums_, elements_, report_->width()));
@@ -301,15 +305,6 @@ class Detection {
     return pairs;
   }
 
-  void print_left_out() const {
-    const char* const count =
-        "contacts of features that stem from one shell vertex; --shell-neighbours keep includes them";
-    if (options_.first)
-      report_->print("left out, not counted with --first: {}\n", count);
-    else
-      report_->print("left out: {} {}\n", grouped(total_.left_out), count);
-  }
-
   nlohmann::json stats(const StepsDone& done) const {
     nlohmann::json steps = nlohmann::json::array();
     for (std::size_t i = 0; i < steps_.size(); ++i) {
@@ -328,7 +323,7 @@ class Detection {
             {"parts", name_of(options_.sequence.config.objects)},
             {"separation", options_.query.separation_in(stepper_)},
             {"shells", name_of(options_.sequence.config.shells)},
-            {"shell_neighbours", request_.leave_out_shell_neighbours ? "leave-out" : "keep"},
+            {"shell_neighbours", leaves_out_shell_neighbours() ? "leave-out" : "keep"},
             {"edges", name_of(options_.sequence.config.edge_set)},
             {"motion", name_of(options_.sequence.config.motion)},
             {"substeps", options_.substeps},

@@ -101,7 +101,7 @@ void QueryOptions::add_to(CLI::App& command) {
   command
       .add_option("--shell-neighbours", shell_neighbours,
                   "whether contacts of thickened shells between features with copies of the same shell vertex are left "
-                  "out (and counted) or kept; default: leave-out with --shells solid")
+                  "out or kept; default: leave-out with --shells solid")
       ->check(one_of({"leave-out", "keep"}));
   add_threads_option(command, threads);
 }

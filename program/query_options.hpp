@@ -37,6 +37,10 @@ struct SequenceOptions {
   void add_parts_to(CLI::App& command);
 };
 
+/// What commands print if contacts of shell neighbours are left out.
+inline constexpr const char* kShellNeighboursLeftOut =
+    "left out: contacts of features that stem from one shell vertex; --shell-neighbours keep includes them";
+
 /// Options of the query: --pairs, --separation, --shell-neighbours, --threads.
 struct QueryOptions {
   PairScope pairs = PairScope::all;
@@ -46,7 +50,7 @@ struct QueryOptions {
 
   void add_to(CLI::App& command);
   ObjectFilter filter() const { return ObjectFilter(pairs); }
-  /// Whether contacts of shell neighbours are left out (Request): as the option says; by default, for thickened
+  /// Whether contacts of shell neighbours are left out (Step): as the option says; by default, for thickened
   /// shells. Throws ConfigError if the option requires it for shells that are not thickened.
   bool leaves_out_shell_neighbours(const SequenceOptions& sequence) const;
 

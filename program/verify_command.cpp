@@ -90,12 +90,6 @@ void show_differences(const Report& report, int k, const StepVerdict& verdict, c
     for (const auto& [expected, found] : one.difference.changed) changed.push_back(found);
     show(report, "changed", rows_of(k, changed, mesh));
   }
-  for (const PipelineVerdict& one : verdict.pipelines)
-    if (!one.left_out.empty())
-      report.print(
-          "  step {}: {} leaves out other contacts of shell neighbours than {}: {} missing, {} extra, {} changed\n", k,
-          one.pipeline, verdict.reference, one.left_out.missing.size(), one.left_out.extra.size(),
-          one.left_out.changed.size());
   for (std::size_t i = 0; i < std::min(verdict.fcl.violations.size(), kShown); ++i) {
     const OverlapViolation& v = verdict.fcl.violations[i];
     report.print("  step {}: FCL finds elements {} and {} overlapping by {:.3g} at t = {:g}, first contact {}\n", k,
@@ -148,7 +142,6 @@ nlohmann::json to_json(int k, const StepVerdict& verdict) {
       {"clean", verdict.clean()},
       {"reference", verdict.reference},
       {"contacts", verdict.contacts},
-      {"left_out", verdict.left_out},
       {"earliest_toi", std::isfinite(verdict.earliest_toi) ? nlohmann::json(verdict.earliest_toi) : nlohmann::json()},
       {"initial_overlaps", verdict.initial_overlaps},
       {"pipelines", pipelines},
@@ -184,6 +177,7 @@ class Verification {
         range_(parse_steps(options.sequence.steps, stepper_.step_count(), options.sequence.file)),
         executor_(make_interruptible_executor(options.query.threads)),
         filter_(options.query.filter()),
+        leave_out_shell_neighbours_(options.query.leaves_out_shell_neighbours(options.sequence)),
         verifier_(registry, config_),
         // The known answers are valid for surfaces with linear motion and for all pairs.
         truth_fits_(!options.no_truth && options.sequence.config.shells == ShellModel::surface && filter_.trivial() &&
@@ -196,9 +190,7 @@ class Verification {
   int run() {
     const StepsDone steps = run_steps("verifying", range_, [this](int k) { run_step(k); });
     report_.print("{}", table_.text(report_.width()));
-    if (config_.leave_out_shell_neighbours)
-      report_.print("left out of the contacts: {} of features with copies of the same shell vertex\n",
-                    grouped(left_out_));
+    if (leave_out_shell_neighbours_) report_.print("{}\n", kShellNeighboursLeftOut);
     if (!verifier_.skipped_pipelines().empty())
       report_.print("{}", wrapped(fmt::format(
                               "left out, because their narrow phase is approximate (--approximate runs them): {}\n",
@@ -216,7 +208,6 @@ class Verification {
   static VerifyConfig config_of(const VerifyOptions& options) {
     VerifyConfig config = options.config;
     if (options.no_fcl) config.fcl_times.clear();
-    config.leave_out_shell_neighbours = options.query.leaves_out_shell_neighbours(options.sequence);
     return config;
   }
 
@@ -236,9 +227,12 @@ class Verification {
     if (k == range_.begin) options_.query.check(stepper_);
     const Mesh& mesh = stepper_.topology().mesh();
     std::vector<Contact> contacts;
-    const StepVerdict verdict =
-        verifier_.check({stepper_.topology(), stepper_.motion(), filter_, options_.query.separation_in(stepper_)},
-                        *executor_, &contacts);
+    const StepVerdict verdict = verifier_.check({.topology = stepper_.topology(),
+                                                 .motion = stepper_.motion(),
+                                                 .filter = filter_,
+                                                 .separation = options_.query.separation_in(stepper_),
+                                                 .leave_out_shell_neighbours = leave_out_shell_neighbours_},
+                                                *executor_, &contacts);
     std::string differ;
     for (const PipelineVerdict& one : verdict.pipelines)
       if (!one.agrees()) differ += (differ.empty() ? "" : ", ") + one.pipeline;
@@ -247,7 +241,6 @@ class Verification {
                 std::isfinite(verdict.earliest_toi) ? fmt::format("{:.6f}", verdict.earliest_toi) : "-",
                 overlap_text(verdict), differ.empty() ? fmt::format("none of {}", verdict.pipelines.size()) : differ,
                 fcl_text(verdict)});
-    left_out_ += verdict.left_out;
     show_differences(report_, k, verdict, mesh);
     show_overlaps(report_, k, verdict, mesh);
     clean_ = clean_ && verdict.clean();
@@ -268,10 +261,10 @@ class Verification {
   StepRange range_;
   std::unique_ptr<Executor> executor_;
   ObjectFilter filter_;
+  bool leave_out_shell_neighbours_;
   Verifier verifier_;
   bool truth_fits_;
   bool clean_ = true;
-  std::uint64_t left_out_ = 0;
   nlohmann::json steps_ = nlohmann::json::array(), truth_ = nullptr;
   TextTable table_{{"step", "reference", "contacts", "earliest t", "overlaps at 0", "pipelines that differ",
                     "FCL violations of hits"}};

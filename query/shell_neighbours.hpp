@@ -1,4 +1,5 @@
-// Tests of thickened shells that are ignored because both features correspond to the same vertex of the shell mesh.
+// Tests of thickened shells that are not asked for because both features correspond to the same vertex of the shell
+// mesh (Step::leave_out_shell_neighbours).
 #pragma once
 
 #include <array>

@@ -8,6 +8,7 @@
 #include <volccd/query/motion.hpp>
 #include <volccd/query/object_filter.hpp>
 #include <volccd/query/region.hpp>
+#include <volccd/query/shell_neighbours.hpp>
 
 namespace volccd {
 
@@ -47,6 +48,9 @@ struct Step {
   /// Contacts later than t_max need not be found: a stage may drop pairs that touch only after t_max, or may ignore
   /// this value. 1: the whole step.
   double t_max = 1;
+  /// The mesh is the solid mesh of a ShellThickener, and contacts of features that stem from the same vertex of the
+  /// shell mesh (share_shell_vertex) are not asked for: a pipeline drops their tests before the narrow phase.
+  bool leave_out_shell_neighbours = false;
   /// Which element pairs sources of work hand out. A pipeline sets it, whatever its caller has given.
   PairRange range = PairRange::every;
   Piece piece = {};
@@ -59,6 +63,14 @@ struct Step {
 
   const Mesh& mesh() const { return topology.mesh(); }
   const Features& features() const { return topology.features(); }
+
+  /// Whether contacts of a feature pair are asked for, by the object filter and as a shell neighbour.
+  bool asks_for(FeatureKind kind, FeaturePair pair) const {
+    return !(leave_out_shell_neighbours && share_shell_vertex(kind, test_vertices(features(), kind, pair))) &&
+           filter.asks_for(topology, kind, pair);
+  }
+  /// Whether all of them are.
+  bool asks_for_all() const { return filter.trivial() && !leave_out_shell_neighbours; }
 };
 
 }  // namespace volccd

@@ -240,13 +240,14 @@ class Exporter {
 
   void run_pipeline(const Registry& registry, Executor& executor,
                     const std::function<void(std::size_t, std::size_t)>& progress) {
-    StepRunner runner(Pipeline(registry, *config_.pipeline), {.executor = &executor});
     const SequenceStepper::Config elements = table_config(file_);
+    StepRunner runner(Pipeline(registry, *config_.pipeline),
+                      {.executor = &executor, .leave_out_shell_neighbours = elements.shells == ShellModel::solid});
     SequenceStepper stepper(reader_, elements);
     const int steps = reader_.frame_count() - 1;
     const std::size_t stages = runner.pipeline().spec().stages().size();
     PairSampler sampler(stages, executor.workers(), config_.max_pairs);
-    const Request request{.leave_out_shell_neighbours = elements.shells == ShellModel::solid, .observer = &sampler};
+    const Request request{.observer = &sampler};
     for (int k = 0; k < steps; ++k) {
       stepper.go_to(k);
       sampler.clear();

@@ -68,7 +68,9 @@ class Runner {
         before_each_(before_each),
         reader_(run.file) {
     for (const Entrant& entrant : run.entrants)
-      contestants_.push_back({entrant, StepRunner(Pipeline(registry, entrant.spec), {.executor = &executor_})});
+      contestants_.push_back(
+          {entrant, StepRunner(Pipeline(registry, entrant.spec),
+                               {.executor = &executor_, .leave_out_shell_neighbours = thickened()})});
   }
 
   /// The rounds [rounds.first, rounds.second) of a window.
@@ -160,7 +162,7 @@ class Runner {
     const bool on_boundary = contestant.entrant.on_boundary;
     contestant.runner.set_separation(stepper_->separation());
     contestant.runner.run(topology(on_boundary), on_boundary ? boundary_->motion() : motion_,
-                          {.count_adjacent = false, .leave_out_shell_neighbours = thickened()});
+                          {.count_adjacent = false});
     if (contestant.first_seconds == 0) contestant.first_seconds = contestant.runner.result().statistics.seconds;
   }
 

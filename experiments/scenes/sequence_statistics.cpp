@@ -66,7 +66,8 @@ std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Execut
   if (reader.has_thickness()) config.shells = ShellModel::solid;
   SequenceStepper stepper(reader, config);
   const Registry registry = Registry::standard();
-  StepRunner runner(Pipeline(registry, registry.pipeline("VolCCD+")), {.executor = &executor});
+  StepRunner runner(Pipeline(registry, registry.pipeline("VolCCD+")),
+                    {.executor = &executor, .leave_out_shell_neighbours = config.shells == ShellModel::solid});
   SequenceCells before, cells;
   reader.read_cells(0, before);
   std::vector<MotionStatistics> motions;
@@ -84,10 +85,8 @@ std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Execut
     stepper.go_to(k, executor);
     const Topology& topology = stepper.topology();
     measure_motion(topology.features(), stepper.motion(), motion);
-    const StepResult& result =
-        runner.run(topology, stepper.motion(), {.leave_out_shell_neighbours = config.shells == ShellModel::solid});
+    const StepResult& result = runner.run(topology, stepper.motion());
     motion.contacts_at_start = result.statistics.contacts_at_start;
-    motion.left_out = result.statistics.left_out;
     for (const Contact& contact : result.contacts)
       count_contact(topology.mesh(), topology.features(), contact, motion.contacts);
     if (go_on && !go_on(k + 1)) break;
@@ -110,8 +109,7 @@ nlohmann::json to_json(const std::vector<MotionStatistics>& motions) {
          {"mean_edge", m.mean_edge},
          {"moved_edges", {{"median", m.median_motion}, {"p99", m.p99_motion}, {"largest", m.largest_motion}}},
          {"contacts", {{"inter", m.contacts.inter}, {"intra", m.contacts.intra}, {"adjacent", m.contacts.adjacent}}},
-         {"contacts_at_start", m.contacts_at_start},
-         {"left_out", m.left_out}});
+         {"contacts_at_start", m.contacts_at_start}});
   }
   return list;
 }

@@ -27,9 +27,8 @@ struct MotionStatistics {
   std::uint64_t removed = 0, added = 0;           ///< elements, from step k to k+1; a changed one is both
   double mean_edge = 0;                           ///< at step k
   double median_motion = 0, p99_motion = 0, largest_motion = 0;  ///< of vertices in use, in mean edges
-  ContactCounts contacts;
-  std::uint64_t contacts_at_start = 0;  ///< of them, at t = 0
-  std::uint64_t left_out = 0;           ///< not included in `contacts`: those of shell neighbours (Request)
+  ContactCounts contacts;                                        ///< without those of shell neighbours
+  std::uint64_t contacts_at_start = 0;                           ///< of them, at t = 0
 };
 
 /// Statistics of all motions of a file, with contacts of the pipeline VolCCD+; shells are solid if the file has their

@@ -58,9 +58,10 @@ json measure(const PlanContext& context, const TableScene& scene, Executor& exec
   SequenceReader reader(scene.file);
   const SequenceStepper::Config config = table_config(scene.file);
   SequenceStepper stepper(reader, config);
-  const Request request{.count_adjacent = false, .leave_out_shell_neighbours = config.shells == ShellModel::solid};
+  const Request request{.count_adjacent = false};
   const auto runner = [&] {
-    return StepRunner(Pipeline(context.registry, context.registry.pipeline("VolCCD+")), {.executor = &executor});
+    return StepRunner(Pipeline(context.registry, context.registry.pipeline("VolCCD+")),
+                      {.executor = &executor, .leave_out_shell_neighbours = config.shells == ShellModel::solid});
   };
   const int first = std::max(0, stepper.step_count() / 2 - kLaterSteps);
   stepper.go_to(first, executor);

@@ -80,13 +80,13 @@ void add_rows(const PlanContext& context, const TableScene& scene, MotionModel m
   SequenceReader reader(scene.file);
   const SequenceStepper::Config config = table_config(scene.file, model);
   SequenceStepper stepper(reader, config);
-  StepRunner runner(Pipeline(context.registry, context.registry.pipeline("VolCCD+")), {.executor = &executor});
-  const Request request{.leave_out_shell_neighbours = config.shells == ShellModel::solid};
+  StepRunner runner(Pipeline(context.registry, context.registry.pipeline("VolCCD+")),
+                    {.executor = &executor, .leave_out_shell_neighbours = config.shells == ShellModel::solid});
   for (int k = 0; k < stepper.step_count(); ++k) {
     check();
     stepper.go_to(k, executor);
     const Step step{stepper.topology(), stepper.motion(), runner.filter()};
-    const StepResult& result = runner.run(step.topology, step.motion, request);
+    const StepResult& result = runner.run(step.topology, step.motion);
     rows.push_back({{"scene", scene.name},
                     {"motion_model", name_of(model)},
                     {"motion", k},

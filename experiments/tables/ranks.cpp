@@ -117,6 +117,8 @@ json columns_of_ranks(std::span<const distributed::RankStatistics> ranks, std::s
           {"lists", ranks.front().lists}};
 }
 
+constexpr Request kRequest{.count_adjacent = false};
+
 /// Several numbers of ranks on one mesh with one motion.
 class RankComparison {
  public:
@@ -127,20 +129,23 @@ class RankComparison {
         moved_(scaled(mesh.motion, motion.scale)),
         executor_(context.executor ? *context.executor : serial_executor()) {
     const PipelineSpec spec = entrant(context.registry, "", "VolCCD+", {"inclusion.undecided=exact"}).spec;
-    whole_.emplace(StepRunner(Pipeline(context.registry, spec), {.executor = &executor_}));
+    whole_.emplace(StepRunner(Pipeline(context.registry, spec),
+                              {.executor = &executor_, .leave_out_shell_neighbours = mesh.thickened}));
     for (const int ranks : one.ranks)
-      ranks_.emplace_back(ranks, context.registry, spec,
-                          distributed::Config{.executor = &executor_, .skin = motion.skin});
+      ranks_.emplace_back(
+          ranks, context.registry, spec,
+          distributed::Config{
+              .executor = &executor_, .leave_out_shell_neighbours = mesh.thickened, .skin = motion.skin});
   }
 
   std::vector<json> run(const std::function<void()>& before_each) {
     std::vector<json> rows;
     for (int round = -kRankWarmUps; round < kRankRounds; ++round) {
       before_each();
-      const StepResult& expected = whole_->run(mesh_.topology(), moved_, request());
+      const StepResult& expected = whole_->run(mesh_.topology(), moved_, kRequest);
       for (std::size_t i = 0; i < ranks_.size(); ++i) {
         before_each();
-        const StepResult& found = ranks_[i].step(mesh_.topology(), moved_, request());
+        const StepResult& found = ranks_[i].step(mesh_.topology(), moved_, kRequest);
         if (found.contacts != expected.contacts)
           throw ConfigError(fmt::format(
               "ranks: {} divided {} times, {} ranks: {} contacts, or others than the {} of the "
@@ -153,8 +158,6 @@ class RankComparison {
   }
 
  private:
-  Request request() const { return {.count_adjacent = false, .leave_out_shell_neighbours = mesh_.thickened}; }
-
   json row(const distributed::InProcessDetector& detector, int ranks, const StepResult& whole, int round) const {
     const std::size_t elements = mesh_.topology().mesh().element_count();
     json result = columns_of_ranks(detector.statistics(), elements);

@@ -62,10 +62,9 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
   Entry& reference = step.mesh().element_count() <= config_.brute_force_limit ? *brute_ : *unculled_;
   verdict.reference = reference.pipeline.spec().name;
   StepResult truth;
-  const Request request{.initial_overlaps = true, .leave_out_shell_neighbours = config_.leave_out_shell_neighbours};
+  const Request request{.initial_overlaps = true};
   reference.pipeline.run(step, reference.workspace, executor, truth, request);
   verdict.contacts = truth.contacts.size();
-  verdict.left_out = truth.left_out.size();
   verdict.initial_overlaps = truth.initial_overlaps.size();
   verdict.earliest_toi = truth.statistics.earliest_toi;
   for (const auto& entry : entries_) {
@@ -80,7 +79,6 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
       continue;
     }
     one.difference = compare_contacts(truth.contacts, found.contacts);
-    one.left_out = compare_contacts(truth.left_out, found.left_out);
     if (!one.held) one.difference = within_tolerance(std::move(one.difference), config_.truth_time_tolerance);
     one.missing_overlaps = only_in(truth.initial_overlaps, found.initial_overlaps);
     one.extra_overlaps = only_in(found.initial_overlaps, truth.initial_overlaps);

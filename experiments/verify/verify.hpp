@@ -23,9 +23,6 @@ struct VerifyConfig {
   std::vector<double> fcl_times = {0.25, 0.5, 0.75, 1.0};
   /// Tolerance for comparing times with a ground truth that has times, and for those of approximate narrow phases.
   double truth_time_tolerance = 1e-6;
-  /// Request::leave_out_shell_neighbours, for all pipelines. Contacts left out are compared, too. The check against FCL
-  /// does not require them, because their elements have a common vertex or touch at t = 0.
-  bool leave_out_shell_neighbours = false;
   /// Whether to run also the pipelines that need not find the reference's contacts (PipelineVerdict::held is false).
   bool approximate = false;
 };
@@ -39,13 +36,10 @@ struct PipelineVerdict {
   /// VerifyConfig::truth_time_tolerance, and the others are shown but do not count as a failure.
   bool held = true;
   ContactDifference difference;
-  ContactDifference left_out;                                 ///< of StepResult::left_out
   std::vector<ElementPair> missing_overlaps, extra_overlaps;  ///< of the lists of initial overlaps
   Statistics statistics;
 
-  bool agrees() const {
-    return (!held || (difference.empty() && left_out.empty())) && missing_overlaps.empty() && extra_overlaps.empty();
-  }
+  bool agrees() const { return (!held || difference.empty()) && missing_overlaps.empty() && extra_overlaps.empty(); }
 };
 
 /// Result of comparing the reference with the file's ground truth.
@@ -61,7 +55,7 @@ struct TruthVerdict {
 
 struct StepVerdict {
   std::string reference;  ///< name of the reference pipeline
-  std::uint64_t contacts = 0, left_out = 0;
+  std::uint64_t contacts = 0;
   double earliest_toi = 0;
   std::vector<PipelineVerdict> pipelines;
   OverlapReport fcl;
@@ -80,7 +74,8 @@ class Verifier {
   const std::vector<std::string>& skipped_pipelines() const { return skipped_pipelines_; }
 
   /// Runs the reference and every other registered pipeline except for the skipped ones. `expected`, if given, receives
-  /// the reference's contacts.
+  /// the reference's contacts. If the step leaves out shell neighbours, the check against FCL does not require their
+  /// contacts, because their elements have a common vertex or touch at t = 0.
   StepVerdict check(const Step& step, Executor& executor, std::vector<Contact>* expected = nullptr);
 
  private:

@@ -46,7 +46,7 @@ class Pipeline::Run {
         run_source({*pipeline_.broad_phase_, kBroadPhase});
         if (pipeline_.orphans_) run_source({*pipeline_.orphans_, orphans()});
       }
-      for_each_worker([&](unsigned w) { scratch(w).finish_tests(request_, earliest_); });
+      for_each_worker([&](unsigned w) { scratch(w).finish_tests(earliest_); });
       collect(result);
     }
     result.statistics.steps = 1;
@@ -182,7 +182,7 @@ class Pipeline::Run {
   }
 
   void run_tests(unsigned w) {
-    if (scratch(w).work.tests.size() >= kTests) scratch(w).run_tests(TestBlock::kCapacity, request_, earliest_);
+    if (scratch(w).work.tests.size() >= kTests) scratch(w).run_tests(TestBlock::kCapacity, earliest_);
   }
 
   // ---- observers: they change nothing about what runs
@@ -290,7 +290,7 @@ class Pipeline::Run {
 void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
                    const Request& request) const {
   require_standard_floating_point();
-  check(step, workspace, request);
+  check(step, workspace);
   Workspace::Data& data = *workspace.data_;
   if (!data.intact) make_states(data);
   data.intact = false;

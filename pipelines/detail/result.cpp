@@ -47,16 +47,13 @@ void ResultMerger::merge(std::span<const std::unique_ptr<WorkerScratch>> workers
   result.statistics = {};
   result.initial_overlaps.clear();
   contacts_of_.clear();
-  left_out_of_.clear();
   for (const auto& worker : workers) {
     worker->end_step();
     result.statistics += worker->sums;
     contacts_of_.push_back(worker->chain.contacts());
-    left_out_of_.push_back(worker->left_out);
     result.initial_overlaps.insert(result.initial_overlaps.end(), worker->overlaps.begin(), worker->overlaps.end());
   }
   result.statistics.duplicates = order_.collect(contacts_of_, executor, result.contacts);
-  result.statistics.duplicates += order_.collect(left_out_of_, executor, result.left_out);
   std::sort(result.initial_overlaps.begin(), result.initial_overlaps.end());
 }
 
@@ -83,14 +80,12 @@ void complete(StepResult& result, const Step& step, bool ends, Executor& executo
   Statistics& statistics = result.statistics;
   result.ends.clear();
   if (ends) find_ends(result, step.motion, executor);
-  for (std::vector<Contact>* list : {&result.contacts, &result.left_out})
-    for (Contact& contact : *list) complete(contact, step.topology);
-  for (const Contact& contact : result.contacts) {
+  for (Contact& contact : result.contacts) {
+    complete(contact, step.topology);
     statistics.earliest_toi = std::min(statistics.earliest_toi, contact.toi);
     statistics.contacts_at_start += contact.at_start ? 1 : 0;
   }
   statistics.contacts = result.contacts.size();
-  statistics.left_out = result.left_out.size();
   statistics.initial_overlaps = result.initial_overlaps.size();
 }
 

@@ -20,11 +20,11 @@ class ResultMerger {
   /// Sets the tests that the chains of the workers collected, ascending and each once.
   static void merge_collected(std::span<const std::unique_ptr<WorkerScratch>> workers, TestBatch& tests);
 
-  std::size_t bytes() const { return heap_bytes(order_, contacts_of_, left_out_of_); }
+  std::size_t bytes() const { return heap_bytes(order_, contacts_of_); }
 
  private:
   ContactOrder order_;
-  std::vector<std::span<const Contact>> contacts_of_, left_out_of_;  ///< by worker
+  std::vector<std::span<const Contact>> contacts_of_;  ///< by worker
 };
 
 /// Leaves the earliest contact alone, among those of one time the first in canonical order.

@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <utility>
 
-#include <volccd/query/shell_neighbours.hpp>
-
 namespace volccd::detail {
 
 void WorkerScratch::begin_step(const PipelineSpec& spec) {
   work.pairs.clear();
   work.tests.clear();
   overlaps.clear();
-  left_out.clear();
   std::vector<StageStatistics> stages = std::move(sums.stages);
   if (stages.empty()) {
     for (const auto& [role, choice] : spec.stages()) stages.push_back({role, choice->name});
@@ -48,7 +45,7 @@ void WorkerScratch::test_overlaps(const Step& step) {
   statistics.out += overlaps.size() - before;
 }
 
-void WorkerScratch::run_tests(std::size_t multiple, const Request& request, EarliestTime& earliest) {
+void WorkerScratch::run_tests(std::size_t multiple, EarliestTime& earliest) {
   const std::size_t old_contacts = chain.contacts().size();
   chain.prune(earliest.limit());
   const auto run = [&](FeatureKind kind, std::vector<FeaturePair>& tests) {
@@ -58,31 +55,19 @@ void WorkerScratch::run_tests(std::size_t multiple, const Request& request, Earl
   };
   run(FeatureKind::vf, work.tests.vf);
   run(FeatureKind::ee, work.tests.ee);
-  record_contacts(old_contacts, request, earliest);
+  earliest.record(chain.contacts(), old_contacts);
 }
 
-void WorkerScratch::finish_tests(const Request& request, EarliestTime& earliest) {
-  run_tests(1, request, earliest);
+void WorkerScratch::finish_tests(EarliestTime& earliest) {
+  run_tests(1, earliest);
   const std::size_t old_contacts = chain.contacts().size();
   chain.finish();
-  record_contacts(old_contacts, request, earliest);
-}
-
-/// Contacts from `old_contacts` on are new. A contact that is left out must not count as the first one.
-void WorkerScratch::record_contacts(std::size_t old_contacts, const Request& request, EarliestTime& earliest) {
-  std::vector<Contact>& contacts = chain.contacts();
-  if (request.leave_out_shell_neighbours) {
-    const auto others = std::partition(contacts.begin() + static_cast<std::ptrdiff_t>(old_contacts), contacts.end(),
-                                       [](const Contact& c) { return !share_shell_vertex(c.kind, c.vertices); });
-    if (request.query != Query::first) left_out.insert(left_out.end(), others, contacts.end());
-    contacts.erase(others, contacts.end());
-  }
-  earliest.record(contacts, old_contacts);
+  earliest.record(chain.contacts(), old_contacts);
 }
 
 std::size_t WorkerScratch::bytes() const {
   return sizeof(*this) + heap_bytes(work.pairs, work.tests.vf, work.tests.ee, batch, chain, overlap_test,
-                                    overlap_candidates, overlaps, left_out, observed, observed_keep);
+                                    overlap_candidates, overlaps, observed, observed_keep);
 }
 
 }  // namespace volccd::detail

@@ -19,7 +19,6 @@ struct alignas(64) WorkerScratch {
   TestChain chain;
   InitialOverlapTest overlap_test;
   std::vector<ElementPair> overlap_candidates, overlaps;
-  std::vector<Contact> left_out;
   std::vector<ElementPair> observed;        ///< the pairs before element culling, for an observer
   std::vector<std::uint8_t> observed_keep;  ///< which of them were kept
   Statistics sums;
@@ -35,14 +34,11 @@ struct alignas(64) WorkerScratch {
 
   /// Runs the largest number of tests of each kind that is a multiple of `multiple`; the others remain for the next
   /// call.
-  void run_tests(std::size_t multiple, const Request& request, EarliestTime& earliest);
+  void run_tests(std::size_t multiple, EarliestTime& earliest);
   /// Runs all tests.
-  void finish_tests(const Request& request, EarliestTime& earliest);
+  void finish_tests(EarliestTime& earliest);
 
   std::size_t bytes() const;
-
- private:
-  void record_contacts(std::size_t old_contacts, const Request& request, EarliestTime& earliest);
 };
 
 }  // namespace volccd::detail

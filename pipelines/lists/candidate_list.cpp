@@ -43,6 +43,7 @@ bool CandidateList::build(const Pipeline& pipeline, const Step& step, Workspace&
                    .motion = prediction_.lines(),
                    .filter = step.filter,
                    .separation = separation(step.separation, budget),
+                   .leave_out_shell_neighbours = step.leave_out_shell_neighbours,
                    .piece = {.complete = step.piece.complete, .cut_stars = step.piece.cut_stars}};
   StepResult result;
   pipeline.run(ahead, workspace, executor, result, {.count_adjacent = false, .candidates = &tests_});
@@ -120,7 +121,8 @@ bool CandidateList::refresh(const Pipeline& pipeline, const Step& step, Executor
   const Step ahead{.topology = step.topology,
                    .motion = prediction_.lines(),
                    .filter = step.filter,
-                   .separation = separation(separation_, budget_)};
+                   .separation = separation(separation_, budget_),
+                   .leave_out_shell_neighbours = step.leave_out_shell_neighbours};
   if (!local_.find(pipeline, ahead, renewed_, executor, tests_)) return false;
   ++refreshed_;
   return true;

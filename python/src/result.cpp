@@ -152,18 +152,16 @@ std::vector<T> rows_of(const py::array& array, const char* name) {
 }
 
 /// A result with these arrays, as a pickle has them; `_results.py` has given them their dtypes.
-std::shared_ptr<Result> result_of(const py::array& contacts, const py::array& ends, const py::array& left_out,
-                                  const py::array& overlaps, const py::dict& statistics) {
+std::shared_ptr<Result> result_of(const py::array& contacts, const py::array& ends, const py::array& overlaps,
+                                  const py::dict& statistics) {
   StepResult result;
   result.contacts = rows_of<Contact>(contacts, "contacts");
   result.ends = rows_of<ContactEnd>(ends, "ends");
-  result.left_out = rows_of<Contact>(left_out, "left_out");
   result.initial_overlaps = rows_of<ElementPair>(overlaps, "initial_overlaps");
-  for (std::vector<Contact>* const list : {&result.contacts, &result.left_out})
-    for (Contact& contact : *list) {  // slots of a topology that is not there
-      contact.features = {kNone, kNone};
-      contact.elements = {kNone, kNone};
-    }
+  for (Contact& contact : result.contacts) {  // slots of a topology that is not there
+    contact.features = {kNone, kNone};
+    contact.elements = {kNone, kNone};
+  }
   result.statistics.earliest_toi = statistics["earliest_toi"].cast<double>();
   const auto made = std::make_shared<Result>(std::move(result));
   made->statistics_dict = statistics;
@@ -200,9 +198,6 @@ void bind_results(py::module_& module) {
           "weights   float64 (4,) of the vertices, for the closest points\n"
           "first     float64 (3,) closest point of the first feature\n"
           "second    float64 (3,) closest point of the second feature")
-      .def_property_readonly(
-          "left_out", [](const py::object& self) { return contacts_view(self.cast<const Result&>().left_out, self); },
-          "As `contacts`: those of thickened shells between features that stem from one point.")
       .def_property_readonly(
           "initial_overlaps",
           [](const py::object& self) {

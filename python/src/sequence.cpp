@@ -54,25 +54,24 @@ void Sequence::go_to(int motion, Executor& executor) {
   stepper_->go_to(motion, executor);
 }
 
-SequenceRunner::SequenceRunner(const py::dict& options) : SequenceRunner(detector_config(options)) {}
+SequenceRunner::SequenceRunner(const py::dict& options, bool leave_out_shell_neighbours)
+    : SequenceRunner(detector_config(options), leave_out_shell_neighbours) {}
 
-SequenceRunner::SequenceRunner(const DetectorConfig& config)
+SequenceRunner::SequenceRunner(const DetectorConfig& config, bool leave_out_shell_neighbours)
     : executor_(make_signal_executor(config.threads)),
       runner_(Pipeline(registry(), registry().pipeline(config.pipeline, config.settings)),
               {.executor = executor_.get(),
                .separation = config.separation,
                .filter = config.filter,
+               .leave_out_shell_neighbours = leave_out_shell_neighbours,
                .lists = config.lists}) {}
 
-std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, const StepRequest& request,
-                                            bool neighbours) {
+std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, const StepRequest& request) {
   const BusyGuard guard(busy_, "run of a sequence");
   const BusyGuard sequence_guard(sequence.busy, "Sequence");
   const py::gil_scoped_release without_gil;
   sequence.go_to(motion, runner_.executor());
-  Request asked = request.request();
-  asked.leave_out_shell_neighbours = sequence.config().shells == ShellModel::solid && !neighbours;
-  runner_.run(sequence.stepper().topology(), sequence.stepper().motion(), asked, request.t_max);
+  runner_.run(sequence.stepper().topology(), sequence.stepper().motion(), request.request(), request.t_max);
   return take_result(runner_);
 }
 
@@ -161,14 +160,13 @@ void bind_sequence(py::module_& module) {
       .def("thickness", &read_thickness, "step"_a)
       .def("cells", &read_cells, "step"_a);
   py::class_<SequenceRunner>(module, "SequenceRunner")
-      .def(py::init<const py::dict&>())
+      .def(py::init<const py::dict&, bool>(), "options"_a, "leave_out_shell_neighbours"_a)
       .def(
           "run",
-          [](SequenceRunner& runner, Sequence& sequence, int motion, bool first, bool overlaps, double t_max,
-             bool neighbours) {
-            return runner.run(sequence, motion, {first, overlaps, t_max}, neighbours);
+          [](SequenceRunner& runner, Sequence& sequence, int motion, bool first, bool overlaps, double t_max) {
+            return runner.run(sequence, motion, {first, overlaps, t_max});
           },
-          "sequence"_a, "motion"_a, "first"_a, "initial_overlaps"_a, "t_max"_a, "shell_neighbours"_a)
+          "sequence"_a, "motion"_a, "first"_a, "initial_overlaps"_a, "t_max"_a)
       .def_property_readonly(
           "facts", [](const SequenceRunner& r) { return facts_of(r.runner().pipeline(), r.runner().executor()); });
 }

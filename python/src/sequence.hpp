@@ -37,17 +37,17 @@ class Sequence {
 /// Runs a pipeline on the steps of sequences.
 class SequenceRunner {
  public:
-  /// The options of detector_config(). Throws ConfigError. The registry may change afterwards.
-  explicit SequenceRunner(const py::dict& options);
+  /// The options of detector_config(). `leave_out_shell_neighbours`: that of RunConfig. Throws ConfigError. The
+  /// registry may change afterwards.
+  SequenceRunner(const py::dict& options, bool leave_out_shell_neighbours);
 
-  /// Must be called with the GIL, which it releases. `neighbours`: keeps contacts of thickened shells between features
-  /// with copies of the same shell vertex. Throws the exceptions of Pipeline::run, and those of a signal handler or of
-  /// a stage in Python.
-  std::shared_ptr<Result> run(Sequence& sequence, int motion, const StepRequest& request, bool neighbours);
+  /// Must be called with the GIL, which it releases. Throws the exceptions of Pipeline::run, and those of a signal
+  /// handler or of a stage in Python.
+  std::shared_ptr<Result> run(Sequence& sequence, int motion, const StepRequest& request);
   const StepRunner& runner() const { return runner_; }
 
  private:
-  explicit SequenceRunner(const DetectorConfig& config);
+  SequenceRunner(const DetectorConfig& config, bool leave_out_shell_neighbours);
 
   std::unique_ptr<Executor> executor_;
   StepRunner runner_;

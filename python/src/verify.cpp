@@ -35,10 +35,9 @@ py::dict verdict_of(const StepVerdict& step) {
   py::list pipelines;
   for (const PipelineVerdict& one : step.pipelines) pipelines.append(verdict_of(one));
   return py::dict(py::arg("clean") = step.clean(), py::arg("reference") = step.reference,
-                  py::arg("contacts") = step.contacts, py::arg("left_out") = step.left_out,
-                  py::arg("earliest_toi") = step.earliest_toi, py::arg("initial_overlaps") = step.initial_overlaps,
-                  py::arg("pipelines") = pipelines, py::arg("fcl_hits") = step.fcl.hits,
-                  py::arg("fcl_violations") = step.fcl.violations.size());
+                  py::arg("contacts") = step.contacts, py::arg("earliest_toi") = step.earliest_toi,
+                  py::arg("initial_overlaps") = step.initial_overlaps, py::arg("pipelines") = pipelines,
+                  py::arg("fcl_hits") = step.fcl.hits, py::arg("fcl_violations") = step.fcl.violations.size());
 }
 
 /// Keeps pipelines and workspaces from step to step.
@@ -48,9 +47,10 @@ class Verification {
   /// left out.
   Verification(const std::vector<std::string>& settings, unsigned threads, double separation, bool fcl,
                bool approximate, Index brute_force_limit, bool shells)
-      : verifier_(with_settings(settings), config_of(fcl, approximate, brute_force_limit, shells)),
+      : verifier_(with_settings(settings), config_of(fcl, approximate, brute_force_limit)),
         executor_(make_signal_executor(threads)),
-        separation_(separation) {}
+        separation_(separation),
+        leave_out_shell_neighbours_(shells) {}
 
   py::dict check(Sequence& sequence, int motion) {
     const BusyGuard guard(busy_, "verification"), sequence_guard(sequence.busy, "Sequence");
@@ -59,7 +59,12 @@ class Verification {
       const py::gil_scoped_release without_gil;
       sequence.go_to(motion, *executor_);
       const SequenceStepper& stepper = sequence.stepper();
-      verdict = verifier_.check({stepper.topology(), stepper.motion(), filter_, separation_}, *executor_);
+      verdict = verifier_.check({.topology = stepper.topology(),
+                                 .motion = stepper.motion(),
+                                 .filter = filter_,
+                                 .separation = separation_,
+                                 .leave_out_shell_neighbours = leave_out_shell_neighbours_},
+                                *executor_);
     }
     return verdict_of(verdict);
   }
@@ -75,9 +80,8 @@ class Verification {
     made.add_pipeline(std::move(spec));
     return made;
   }
-  static VerifyConfig config_of(bool fcl, bool approximate, Index brute_force_limit, bool shells) {
+  static VerifyConfig config_of(bool fcl, bool approximate, Index brute_force_limit) {
     VerifyConfig config;
-    config.leave_out_shell_neighbours = shells;
     if (!fcl) config.fcl_times.clear();
     config.approximate = approximate;
     config.brute_force_limit = brute_force_limit;
@@ -88,6 +92,7 @@ class Verification {
   std::unique_ptr<Executor> executor_;
   ObjectFilter filter_;
   double separation_;
+  bool leave_out_shell_neighbours_;
   bool busy_ = false;
 };
 

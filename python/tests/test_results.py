@@ -101,7 +101,7 @@ def test_pickles(result):
     for protocol in (2, pickle.HIGHEST_PROTOCOL):
         for again in (pickle.loads(pickle.dumps(result, protocol)), copy.copy(result), copy.deepcopy(result)):
             assert isinstance(again, volccd.Result) and len(again) == len(result)
-            for name in ("contacts", "ends", "left_out", "initial_overlaps"):
+            for name in ("contacts", "ends", "initial_overlaps"):
                 mine, other = getattr(result, name), getattr(again, name)
                 assert mine.dtype == other.dtype and len(mine) == len(other)
                 assert all(np.array_equal(mine[field], other[field]) for field in mine.dtype.names)

@@ -37,7 +37,7 @@ class Detector:
         2, ...
     thickness : float or float array (n,), optional
         Thickens triangles and quads into solids, in the unit of the points. Vertex v of a contact then stems from point
-        v // 3, and contacts between features that stem from one point are in `Result.left_out`.
+        v // 3, and contacts between features that stem from one point are not reported.
     pipeline, separation, threads, settings, pairs, exclude, edges :
         As in `volccd.detect`.
     lists : "off", "auto" or (budget, steps)

@@ -106,15 +106,14 @@ def _fields(array, dtype, name):
     return result
 
 
-def _restored(contacts, ends, left_out, initial_overlaps, statistics):
+def _restored(contacts, ends, initial_overlaps, statistics):
     return _core.result_of(_fields(contacts, _core.contact_dtype, "contacts"), _fields(ends, _core.end_dtype, "ends"),
-                           _fields(left_out, _core.contact_dtype, "left_out"),
                            _fields(initial_overlaps, _core.pair_dtype, "initial_overlaps"), statistics)
 
 
 def __reduce__(self):
     """Results can be pickled and copied."""
-    arrays = (self.contacts, self.ends, self.left_out, self.initial_overlaps)
+    arrays = (self.contacts, self.ends, self.initial_overlaps)
     return _restored, (*(_fields(array, array.dtype, "") for array in arrays), dict(self.statistics))
 
 

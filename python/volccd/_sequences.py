@@ -110,10 +110,11 @@ class Sequence:
             With shells="solid": keep contacts between features that stem from one point.
         Other parameters: as in `volccd.detect`.
         """
-        runner = _core.SequenceRunner(_options(pipeline, settings, threads, separation, pairs, exclude))
+        runner = _core.SequenceRunner(_options(pipeline, settings, threads, separation, pairs, exclude),
+                                       self.shells == "solid" and not shell_neighbours)
         for step in range(len(self)) if steps is None else steps:
             step = operator.index(step)
-            yield step, runner.run(self._core, step, first, initial_overlaps, t_max, shell_neighbours)
+            yield step, runner.run(self._core, step, first, initial_overlaps, t_max)
 
 
 def scenes():
@@ -137,7 +138,7 @@ def scene(name, *, simulate=False, threads=0, **options):
 
 class Verification:
     """The result of `volccd.verify`. True if clean. `steps` has a dict for each step: motion (its number), clean,
-    reference, contacts, left_out, earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline,
+    reference, contacts, earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline,
     same, held, refused and the structured arrays missing, extra and changed (contacts, with the fields of
     Result.contacts)."""
 

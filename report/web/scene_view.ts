@@ -359,8 +359,6 @@ export class SceneView {
               grouped(s.contacts_at_start)} touch at the start. ` +
               (s.earliest_toi === null ? "" : `The earliest is at ${short(s.earliest_toi)} of the step. `) +
               (motion.shown < s.contacts ? `${grouped(motion.shown)} are drawn. ` : "") +
-              (s.left_out ? `${grouped(s.left_out)} more are between neighbouring shells, taken as solids, and are left out. ` :
-                            "") +
               `Detection took ${duration(s.seconds)}` +
               (threads > 1 ? `; times of stages are summed over ${threads} threads.` : ".")),
         funnel(s, this.max, this.stage, (stage) => this.choose(stage)),

@@ -92,7 +92,6 @@ export interface MotionStats {
   ee_tests: number;
   contacts: number;
   contacts_at_start: number;
-  left_out: number;
   undecided: number;
   earliest_toi: number|null;
   seconds: number;

@@ -4,34 +4,17 @@
 #include <cmath>
 
 #include <volccd/core/error.hpp>
-#include <volccd/query/shell_neighbours.hpp>
 
 namespace volccd::simulation {
 namespace {
 
 constexpr std::size_t kContactGrain = 64;
 
-/// Drops tests of features that have copies of the same shell vertex: the simulation does not ask about them.
-class ShellNeighbours final : public FeatureFilter {
- public:
-  void run(const Step&, StageState&, unsigned, const TestBlock& block, std::span<std::uint8_t> keep) const override {
-    for (std::size_t i = 0; i < block.size(); ++i)
-      if (share_shell_vertex(block.kind(), block.vertices(i))) keep[i] = 0;
-  }
-};
-
 /// Contacts may be reported a thousandth of the substep early. Features that rest at the separation can need any number
 /// of intervals: the search ends early for them, and `exact` decides.
-Pipeline make_pipeline(const std::string& name, bool shells) {
-  Registry registry = Registry::standard();
-  registry.add<FeatureFilter>(
-      {"shell-neighbours",
-       "tests of features without a common shell vertex",
-       Guarantee::exact,
-       {},
-       [](const OptionValues&) -> std::unique_ptr<FeatureFilter> { return std::make_unique<ShellNeighbours>(); }});
+Pipeline make_pipeline(const std::string& name) {
+  const Registry registry = Registry::standard();
   PipelineSpec spec = registry.pipeline(name);
-  if (shells) spec.feature_filters.push_back({"shell-neighbours"});
   spec.narrow_phase = {"inclusion", {{"time_tolerance", "1e-3"}, {"max_intervals", "40"}, {"undecided", "exact"}}};
   return Pipeline(registry, spec);
 }
@@ -61,8 +44,10 @@ ContactDetection::ContactDetection(const Topology& model, std::span<const double
       thickness_(thickness.begin(), thickness.end()),
       reference_(reference.begin(), reference.end()),
       config_(std::move(config)),
-      runner_(make_pipeline(config_.pipeline, has_shells(model.mesh())),
-              {.executor = &executor, .filter = filter_of(config_), .lists = config_.lists}) {
+      runner_(make_pipeline(config_.pipeline), {.executor = &executor,
+                                                .filter = filter_of(config_),
+                                                .leave_out_shell_neighbours = has_shells(model.mesh()),
+                                                .lists = config_.lists}) {
   if (has_shells(model.mesh())) {
     thickener_.emplace(model.mesh());
     solid_ = std::make_unique<Topology>(thickener_->solid_mesh(model.mesh()), executor);

@@ -1,5 +1,6 @@
-// Contacts of features with copies of one shell vertex are left out on request, and counted.
+// Tests of features with copies of one shell vertex are left out where a step says so.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace {
 using test::registry;
 
 const ObjectFilter kAll;
-const Request kKeep, kLeaveOut{.leave_out_shell_neighbours = true};
+constexpr bool kKeep = false, kLeaveOut = true;
 
 /// Shells that move from `start` to `end`, thickened.
 struct Solids {
@@ -30,19 +31,27 @@ struct Solids {
     motion.set_linear(x0, x1);
   }
 
-  StepResult run(const std::string& pipeline, const Request& request, unsigned threads = 1) const {
+  Step step(bool leave_out) const {
+    return {.topology = topology,
+            .motion = motion,
+            .filter = kAll,
+            .separation = separation,
+            .leave_out_shell_neighbours = leave_out};
+  }
+
+  StepResult run(const std::string& pipeline, bool leave_out, unsigned threads = 1, const Request& request = {}) const {
     const Pipeline p(registry(), registry().pipeline(pipeline));
     Workspace workspace = p.make_workspace();
     const auto executor = make_executor(threads);
     StepResult result;
-    p.run({topology, motion, kAll, separation}, workspace, *executor, result, request);
+    p.run(step(leave_out), workspace, *executor, result, request);
     return result;
   }
 
   /// Decided from ids (a shell vertex has the ids 3 id to 3 id + 2), and not by the function under test.
-  bool stem_from_one(const Contact& c) const {
-    const std::size_t second = c.kind == FeatureKind::vf ? 1 : 2;
-    const auto id = [&](std::size_t i) { return topology.mesh().vertex_id(c.vertices[i]) / 3; };
+  bool stem_from_one(FeatureKind kind, const std::array<Index, 4>& vertices) const {
+    const std::size_t second = kind == FeatureKind::vf ? 1 : 2;
+    const auto id = [&](std::size_t i) { return topology.mesh().vertex_id(vertices[i]) / 3; };
     for (std::size_t i = 0; i < second; ++i)
       for (std::size_t j = second; j < 4; ++j)
         if (id(i) == id(j)) return true;
@@ -84,16 +93,17 @@ Solids crumpled(std::uint64_t seed) {
   return Solids(shape, start, end, 0.25);
 }
 
-void expect_split(const Solids& solids, const StepResult& every, const StepResult& result) {
-  std::vector<Contact> kept, left_out;
-  for (const Contact& c : every.contacts) (solids.stem_from_one(c) ? left_out : kept).push_back(c);
+/// `result` has the contacts of `every` but for those of shell neighbours. Returns how many these are.
+std::size_t expect_fewer(const Solids& solids, const StepResult& every, const StepResult& result) {
+  std::vector<Contact> kept;
+  for (const Contact& c : every.contacts)
+    if (!solids.stem_from_one(c.kind, c.vertices)) kept.push_back(c);
   EXPECT_EQ(result.contacts, kept);
-  EXPECT_EQ(result.left_out, left_out);
   EXPECT_EQ(result.statistics.contacts, kept.size());
-  EXPECT_EQ(result.statistics.left_out, left_out.size());
   double earliest = INFINITY;
   for (const Contact& c : kept) earliest = std::min(earliest, c.toi);
   EXPECT_EQ(result.statistics.earliest_toi, earliest);
+  return every.contacts.size() - kept.size();
 }
 
 /// The pipelines that find the same contacts, bit for bit.
@@ -103,16 +113,13 @@ std::vector<PipelineSpec> certified_pipelines() {
   return pipelines;
 }
 
-TEST(ShellNeighbours, OfABookThatClosesAreLeftOutAndCounted) {
+TEST(ShellNeighbours, OfABookThatClosesAreLeftOut) {
   const Solids solids = book(0.2, 3.0);
   const StepResult every = solids.run("BruteForce", kKeep);
-  EXPECT_TRUE(every.left_out.empty());
-  EXPECT_EQ(every.statistics.left_out, 0u);
-  EXPECT_GT(std::ranges::count_if(every.contacts, [&](const Contact& c) { return solids.stem_from_one(c); }), 0);
   for (const PipelineSpec& spec : certified_pipelines()) {
     SCOPED_TRACE(spec.name);
     EXPECT_EQ(solids.run(spec.name, kKeep).contacts, every.contacts);
-    expect_split(solids, every, solids.run(spec.name, kLeaveOut));
+    EXPECT_GT(expect_fewer(solids, every, solids.run(spec.name, kLeaveOut)), 0u);
   }
 }
 
@@ -126,11 +133,10 @@ TEST(ShellNeighbours, AreLeftOutByAllPipelinesAlike) {
     for (const PipelineSpec& spec : certified_pipelines())
       for (const unsigned threads : {1u, 3u}) {
         SCOPED_TRACE(spec.name + " " + std::to_string(threads));
-        expect_split(solids, every, solids.run(spec.name, kLeaveOut, threads));
+        const StepResult result = solids.run(spec.name, kLeaveOut, threads);
+        left_out += expect_fewer(solids, every, result);
+        kept += result.contacts.size();
       }
-    const StepResult result = solids.run("VolCCD+", kLeaveOut);
-    kept += result.contacts.size();
-    left_out += result.left_out.size();
   }
   EXPECT_GT(kept, 0u);
   EXPECT_GT(left_out, 0u);
@@ -146,7 +152,29 @@ TEST(ShellNeighbours, ContactsOfShellsWithoutACommonVertexStay) {
   const StepResult every = solids.run("VolCCD", kKeep), result = solids.run("VolCCD", kLeaveOut);
   EXPECT_GT(result.contacts.size(), 0u);
   EXPECT_EQ(result.contacts, every.contacts);
-  EXPECT_EQ(result.statistics.left_out, 0u);
+}
+
+/// They are dropped before the narrow phase, with feature filters and without, and are not candidates.
+TEST(ShellNeighbours, AreNeitherTestedNorCandidates) {
+  Solids solids = crumpled(1);
+  solids.separation = 1.5;
+  for (const char* const pipeline : {"VolCCD+", "NavCCD"}) {
+    SCOPED_TRACE(pipeline);
+    TestBatch every, asked;
+    solids.run(pipeline, kKeep, 1, {.candidates = &every});
+    solids.run(pipeline, kLeaveOut, 1, {.candidates = &asked});
+    const auto left = [&](FeatureKind kind, std::vector<FeaturePair> tests) {
+      std::erase_if(tests, [&](FeaturePair pair) {
+        return solids.stem_from_one(kind, test_vertices(solids.topology.features(), kind, pair));
+      });
+      return tests;
+    };
+    EXPECT_EQ(asked.vf, left(FeatureKind::vf, every.vf));
+    EXPECT_EQ(asked.ee, left(FeatureKind::ee, every.ee));
+    EXPECT_GT(asked.size(), 0u);
+    EXPECT_LT(asked.size(), every.size());
+    EXPECT_LT(solids.run(pipeline, kLeaveOut).statistics.tests(), solids.run(pipeline, kKeep).statistics.tests());
+  }
 }
 
 /// The earliest contact is the earliest one that is not left out, even if others are earlier.
@@ -157,19 +185,16 @@ TEST(ShellNeighbours, AreNotTheFirstContact) {
     const StepResult all = solids.run("BruteForce", kLeaveOut);
     ASSERT_GT(all.contacts.size(), 0u);
     const double earliest = all.statistics.earliest_toi;
-    EXPECT_TRUE(std::ranges::any_of(all.left_out, [&](const Contact& c) { return c.toi < earliest; }));
+    EXPECT_LT(solids.run("BruteForce", kKeep).statistics.earliest_toi, earliest);
     const Contact first = *std::ranges::min_element(all.contacts, [](const Contact& x, const Contact& y) {
       return x.toi != y.toi ? x.toi < y.toi : canonical_less(x, y);
     });
     for (const PipelineSpec& spec : certified_pipelines())
       for (const unsigned threads : {1u, 3u}) {
         SCOPED_TRACE(spec.name + " " + std::to_string(threads));
-        const StepResult result =
-            solids.run(spec.name, {.query = Query::first, .leave_out_shell_neighbours = true}, threads);
+        const StepResult result = solids.run(spec.name, kLeaveOut, threads, {.query = Query::first});
         ASSERT_EQ(result.contacts.size(), 1u);
         EXPECT_EQ(result.contacts.front(), first);
-        EXPECT_TRUE(result.left_out.empty());
-        EXPECT_EQ(result.statistics.left_out, 0u);
       }
   }
 }
@@ -184,32 +209,31 @@ TEST(ShellNeighbours, AreRefusedWhereVerticesAreNotThreeByThree) {
   Workspace workspace = pipeline.make_workspace();
   SerialExecutor serial;
   StepResult result;
-  EXPECT_THROW(pipeline.run({topology, motion, kAll}, workspace, serial, result, kLeaveOut), ConfigError);
-  EXPECT_NO_THROW(pipeline.run({topology, motion, kAll}, workspace, serial, result, kKeep));
+  Step step{topology, motion, kAll};
+  EXPECT_NO_THROW(pipeline.run(step, workspace, serial, result));
+  step.leave_out_shell_neighbours = true;
+  EXPECT_THROW(pipeline.run(step, workspace, serial, result), ConfigError);
 }
 
 TEST(Statistics, ContactsAtTheStartAreCounted) {
   Statistics sum;
-  std::uint64_t at_start = 0, contacts = 0, left_out = 0;
+  std::uint64_t at_start = 0, contacts = 0;
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     Solids solids = crumpled(seed);
     solids.separation = 1.5;
-    for (const Request& request : {kKeep, kLeaveOut}) {
-      const StepResult result = solids.run("VolCCD+", request);
+    for (const bool leave_out : {false, true}) {
+      const StepResult result = solids.run("VolCCD+", leave_out);
       const auto count = std::ranges::count_if(result.contacts, [](const Contact& c) { return c.at_start; });
       EXPECT_EQ(result.statistics.contacts_at_start, static_cast<std::uint64_t>(count));
       sum += result.statistics;
       at_start += static_cast<std::uint64_t>(count);
       contacts += result.contacts.size();
-      left_out += result.left_out.size();
     }
   }
   EXPECT_GT(at_start, 0u);
   EXPECT_LT(at_start, contacts);
   EXPECT_EQ(sum.contacts_at_start, at_start);
   EXPECT_EQ(sum.contacts, contacts);
-  EXPECT_GT(left_out, 0u);
-  EXPECT_EQ(sum.left_out, left_out);
 }
 
 }  // namespace
