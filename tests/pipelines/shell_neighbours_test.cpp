@@ -8,6 +8,7 @@
 #include <volccd/core/executor.hpp>
 #include <volccd/mesh/shells.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
+#include <volccd/pipelines/lists/candidate_list.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 #include "pipelines/scenes.hpp"
@@ -154,6 +155,23 @@ TEST(ShellNeighbours, ContactsOfShellsWithoutACommonVertexStay) {
   EXPECT_EQ(result.contacts, every.contacts);
 }
 
+/// A list that covers any motion has the candidates of the step, and no neighbours.
+void expect_list_has(const Solids& solids, const char* name, const TestBatch& candidates) {
+  const Pipeline pipeline(registry(), registry().pipeline(name));
+  Workspace workspace = pipeline.make_workspace();
+  SerialExecutor serial;
+  CandidateList list;
+  ASSERT_TRUE(list.build(pipeline, solids.step(kLeaveOut), workspace, serial, 0, 1e6));
+  const TestBatch& tests = list.tests();
+  EXPECT_GE(tests.size(), candidates.size());
+  const auto neighbours = [&](FeatureKind kind, const std::vector<FeaturePair>& pairs) {
+    return std::ranges::count_if(pairs, [&](FeaturePair pair) {
+      return solids.stem_from_one(kind, test_vertices(solids.topology.features(), kind, pair));
+    });
+  };
+  EXPECT_EQ(neighbours(FeatureKind::vf, tests.vf) + neighbours(FeatureKind::ee, tests.ee), 0);
+}
+
 /// They are dropped before the narrow phase, with feature filters and without, and are not candidates.
 TEST(ShellNeighbours, AreNeitherTestedNorCandidates) {
   Solids solids = crumpled(1);
@@ -173,6 +191,7 @@ TEST(ShellNeighbours, AreNeitherTestedNorCandidates) {
     EXPECT_EQ(asked.ee, left(FeatureKind::ee, every.ee));
     EXPECT_GT(asked.size(), 0u);
     EXPECT_LT(asked.size(), every.size());
+    expect_list_has(solids, pipeline, asked);
     EXPECT_LT(solids.run(pipeline, kLeaveOut).statistics.tests(), solids.run(pipeline, kKeep).statistics.tests());
   }
 }
