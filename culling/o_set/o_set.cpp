@@ -10,6 +10,7 @@
 #include <volccd/culling/o_set/detail/o_set_blocks.hpp>
 #include <volccd/culling/o_set/detail/o_set_partners.hpp>
 #include <volccd/mesh/topology_delta.hpp>
+#include <volccd/query/shell_neighbours.hpp>
 
 namespace volccd {
 
@@ -53,13 +54,14 @@ struct OSet::Impl {
   explicit Impl(OSetKind set_kind) : kind(set_kind) {}
 
   void build(const Topology& topology, Executor& executor);
-  void update(const Topology& topology, Executor& executor);
+  void update(const Topology& topology, Executor& executor, bool without_shell_neighbours);
   FeatureLists renew(const Features& features);
   void find_pairs(const Topology& topology, const FeatureLists& lists, Executor& executor);
   template <class Find>
   void write_rows(const Topology& topology, Owner owner, std::span<const Index> items, Executor& executor, Find&& find);
 
   OSetKind kind;
+  bool leave_out_shell_neighbours = false;
   TopologyDelta delta;
   OSetBlocks blocks;
   std::vector<detail::ElementTouch> scratch;  ///< by worker
@@ -71,6 +73,12 @@ template <class Find>
 void OSet::Impl::write_rows(const Topology& topology, Owner owner, std::span<const Index> items, Executor& executor,
                             Find&& find) {
   constexpr std::size_t kPartItems = 2048;
+  const auto wanted = [&](Index item, Index partner) {
+    if (!leave_out_shell_neighbours) return true;
+    const FeatureKind pair_kind = owner == Owner::edge ? FeatureKind::ee : FeatureKind::vf;
+    const FeaturePair pair = owner == Owner::triangle ? FeaturePair{partner, item} : FeaturePair{item, partner};
+    return !share_shell_vertex(pair_kind, test_vertices(topology.features(), pair_kind, pair));
+  };
   scratch.resize(executor.workers());
   std::vector<OSetBlocks::Part> parts((items.size() + kPartItems - 1) / kPartItems);
   executor.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end, unsigned w) {
@@ -81,7 +89,9 @@ void OSet::Impl::write_rows(const Topology& topology, Owner owner, std::span<con
       const std::size_t first = p * kPartItems;
       for (const Index item : items.subspan(first, std::min(kPartItems, items.size() - first))) {
         rows.begin_row(item);
-        find(item, partners, [&](Index partner) { rows.add(partner); });
+        find(item, partners, [&](Index partner) {
+          if (wanted(item, partner)) rows.add(partner);
+        });
       }
       rows.flush();
     }
@@ -137,11 +147,12 @@ void OSet::Impl::find_pairs(const Topology& topology, const FeatureLists& lists,
   });
 }
 
-void OSet::Impl::update(const Topology& topology, Executor& executor) {
+void OSet::Impl::update(const Topology& topology, Executor& executor, bool without_shell_neighbours) {
+  const bool other = std::exchange(leave_out_shell_neighbours, without_shell_neighbours) != without_shell_neighbours;
   const TopologyDelta::Extent changed = delta.sync(topology);
   // A build takes less time per feature.
   const bool many = delta.changed_slots().size() > topology.mesh().element_count() / 4;
-  if (changed == TopologyDelta::Extent::everything || many) {
+  if (changed == TopologyDelta::Extent::everything || many || other) {
     build(topology, executor);
   } else if (changed == TopologyDelta::Extent::edits) {
     blocks.next_epoch(topology.features());
@@ -160,12 +171,15 @@ OSetKind OSet::kind() const { return impl_->kind; }
 std::size_t OSet::blocks() const { return impl_->blocks.size(); }
 
 void OSet::build(const Topology& topology, Executor& executor) {
+  impl_->leave_out_shell_neighbours = false;
   impl_->delta.sync(topology);
   impl_->build(topology, executor);
   impl_->delta.confirm();
 }
 
-void OSet::update(const Topology& topology, Executor& executor) { impl_->update(topology, executor); }
+void OSet::update(const Topology& topology, Executor& executor, bool leave_out_shell_neighbours) {
+  impl_->update(topology, executor, leave_out_shell_neighbours);
+}
 
 void OSet::append(std::size_t block, TestBatch& out) const { impl_->blocks.append(block, out); }
 

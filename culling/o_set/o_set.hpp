@@ -40,14 +40,16 @@ class OSet {
 
   OSetKind kind() const;
 
-  /// Computes the whole set. The expected time is proportional to the number of incident elements, summed over all
-  /// edges and vertices. The same set, in the same blocks, for any number of threads.
+  /// Computes the whole set, with the pairs of shell neighbours. The expected time is proportional to the number of
+  /// incident elements, summed over all edges and vertices. The same set, in the same blocks, for any number of
+  /// threads.
   void build(const Topology& topology, Executor& executor);
 
   /// Updates the set after topology edits; the result is the same set as that of build(). Calls build() at first, and
   /// if the topology's history does not contain the last update. Otherwise the amortised cost is proportional to the
-  /// number of pairs that contain a feature of a changed element.
-  void update(const Topology& topology, Executor& executor);
+  /// number of pairs that contain a feature of a changed element. Without the pairs of shell neighbours
+  /// (query/shell_neighbours.hpp) if they are to be left out; computes the whole set if it was the other one.
+  void update(const Topology& topology, Executor& executor, bool leave_out_shell_neighbours = false);
 
   std::size_t blocks() const;
   /// Appends the pairs of a block: its VF pairs to out.vf, its EE pairs to out.ee.

@@ -23,7 +23,7 @@ const Options<OSetSource::Config>& OSetSource::options() {
 std::unique_ptr<StageState> OSetSource::make_state() const { return std::make_unique<OSetState>(config_.kind); }
 
 void OSetSource::prepare(const Step& step, StageState& state, Executor& executor) const {
-  static_cast<OSetState&>(state).set.update(step.topology, executor);
+  static_cast<OSetState&>(state).set.update(step.topology, executor, step.leave_out_shell_neighbours);
 }
 
 std::size_t OSetSource::blocks(const StageState& state) const {

@@ -75,7 +75,7 @@ void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
   state.pairs.update(step, state.stars, executor,
                      [&](Index a, Index b) { return state.free_edges[a] * state.free_edges[b] >= kMinFreeEdges; });
   state.counters.pairs = state.pairs.pairs().size();
-  state.orphans.update(step.topology, state.pairs.pairs(), executor);
+  state.orphans.update(step.topology, state.pairs.pairs(), executor, step.leave_out_shell_neighbours);
 }
 
 }  // namespace
@@ -102,7 +102,7 @@ void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& e
     state.counters.suspect_vertices = state.stars.suspects().size();
     state.counters.by_stars = detail::few_suspects(step, state.stars.suspects(), config_.max_suspect_fraction);
   }
-  if (!state.counters.by_stars) return state.set.update(step.topology, executor);
+  if (!state.counters.by_stars) return state.set.update(step.topology, executor, step.leave_out_shell_neighbours);
   list_pairs(step, state, executor);
 }
 

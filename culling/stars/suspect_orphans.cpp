@@ -5,6 +5,8 @@
 #include <bit>
 #include <utility>
 
+#include <volccd/query/shell_neighbours.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -25,11 +27,14 @@ const SuspectOrphans::Partner* SuspectOrphans::find(Index o, Index partner) cons
   return nullptr;
 }
 
-void SuspectOrphans::update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor) {
+void SuspectOrphans::update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor,
+                            bool leave_out_shell_neighbours) {
   topology_ = &topology;
+  const bool other =
+      std::exchange(leave_out_shell_neighbours_, leave_out_shell_neighbours) != leave_out_shell_neighbours;
   const TopologyDelta::Extent changed = delta_.sync(topology);
   std::swap(now_, before_);
-  if (changed == TopologyDelta::Extent::everything) before_.elements.clear(), before_.places.clear();
+  if (changed == TopologyDelta::Extent::everything || other) before_.elements.clear(), before_.places.clear();
   fresh_.assign(topology.mesh().element_slots(), 0);
   near_.assign(topology.features().vertex_slots(), 0);
   // The features of elements without vertices whose elements changed, and the elements of these features, are as
@@ -182,6 +187,13 @@ void SuspectOrphans::visit_partners(std::span<const Index> elements, std::span<c
   for (std::size_t i = kPartnerBits; i < features.size(); ++i) visit(features[i]);
 }
 
+/// Whether the features of a pair all of whose incident elements are partners are to be tested.
+bool SuspectOrphans::is_orphan(FeatureKind kind, FeaturePair pair) const {
+  const Features& features = topology_->features();
+  return is_test(features, kind, pair) &&
+         !(leave_out_shell_neighbours_ && share_shell_vertex(kind, test_vertices(features, kind, pair)));
+}
+
 void SuspectOrphans::list(Index a, Index b, TestBatch& out) const {
   vertices_and_triangles(a, b, out);
   if (a != b) vertices_and_triangles(b, a, out);
@@ -192,8 +204,7 @@ void SuspectOrphans::list(Index a, Index b, TestBatch& out) const {
     if (i < kPartnerBits && (candidates >> i & 1) == 0) continue;
     const Index e = of_a[i];
     visit_partners<&Partner::edges>(features.edge_elements(e), of_b, b, [&](Index g) {
-      if ((a != b || e < g) && is_test(features, FeatureKind::ee, {e, g}))
-        out.ee.push_back({std::min(e, g), std::max(e, g)});
+      if ((a != b || e < g) && is_orphan(FeatureKind::ee, {e, g})) out.ee.push_back({std::min(e, g), std::max(e, g)});
     });
   }
 }
@@ -207,7 +218,7 @@ void SuspectOrphans::vertices_and_triangles(Index a, Index b, TestBatch& out) co
     const Index v = vertices[i];
     if ((i < kPartnerBits && (candidates >> i & 1) == 0) || features.first_element_of_vertex(v) != a) continue;
     visit_partners<&Partner::triangles>(features.vertex_elements(v), features.own_triangles(b), b, [&](Index f) {
-      if (is_test(features, FeatureKind::vf, {v, f})) out.vf.push_back({v, f});
+      if (is_orphan(FeatureKind::vf, {v, f})) out.vf.push_back({v, f});
     });
   }
 }

@@ -21,9 +21,11 @@ namespace volccd::detail {
 /// called by several threads.
 class SuspectOrphans {
  public:
-  /// `pairs`: adjacent pairs of elements, and pairs of an element and itself, each once, in any order.
+  /// `pairs`: adjacent pairs of elements, and pairs of an element and itself, each once, in any order. Without the
+  /// orphans of shell neighbours (query/shell_neighbours.hpp) if they are to be left out.
   /// O(slots + pairs + features of the elements of new pairs, and of their neighbours).
-  void update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor);
+  void update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor,
+              bool leave_out_shell_neighbours = false);
 
   std::size_t blocks() const { return (now_.elements.size() + kBlockElements - 1) / kBlockElements; }
   /// Appends the orphans of a block. Each orphan is in one block.
@@ -71,10 +73,12 @@ class SuspectOrphans {
   template <std::uint64_t Partner::*kSet, class Visit>
   void visit_partners(std::span<const Index> elements, std::span<const Index> features, Index other,
                       Visit&& visit) const;
+  bool is_orphan(FeatureKind kind, FeaturePair pair) const;
   void list(Index a, Index b, TestBatch& out) const;
   void vertices_and_triangles(Index a, Index b, TestBatch& out) const;
 
   const Topology* topology_ = nullptr;
+  bool leave_out_shell_neighbours_ = false;
   TopologyDelta delta_;
   Lists now_, before_;
   std::vector<std::uint8_t> fresh_;    ///< by element slot: whether a vertex of the element has other elements
