@@ -49,7 +49,8 @@ void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
 /// Whether tests that are not asked for are dropped before the filters, and not after them. Most tests are asked for,
 /// except where the scope of pairs is restricted, and after the filters fewer need to be looked up.
 bool TestChain::drops_first() const {
-  return step_->filter.scope() != PairScope::all || (stages_->filters.empty() && !step_->asks_for_all());
+  const ObjectFilter& rule = step_->filter;
+  return rule.scope() != PairScope::all || (stages_->filters.empty() && !rule.trivial());
 }
 
 /// The tests that the first filter does not drop before their coordinates are gathered. It sees the others again.
@@ -126,7 +127,18 @@ void TestChain::run_narrow_phase(const TestBlock& block) {
     contact.features = block.pair(test);
     keep[test++] = 1;
   }
+  if (stages_->filters.empty()) drop_shell_neighbours(before);
   observe(stage, block, keep);
+}
+
+/// Removes contacts that are not asked for, from `first` on: without filters, to look up all tests would take as long
+/// as to perform those that are not asked for.
+void TestChain::drop_shell_neighbours(std::size_t first) {
+  if (!step_->leave_out_shell_neighbours) return;
+  const auto begin = contacts_.begin() + static_cast<std::ptrdiff_t>(first);
+  contacts_.erase(
+      std::remove_if(begin, contacts_.end(), [](const Contact& c) { return share_shell_vertex(c.kind, c.vertices); }),
+      contacts_.end());
 }
 
 void TestChain::observe(std::size_t stage, const TestBlock& block, std::span<const std::uint8_t> keep) {

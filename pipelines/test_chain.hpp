@@ -34,8 +34,9 @@ struct TestStages {
 /// filters keep few tests.
 ///
 /// Tests that the step does not ask for (Step::asks_for) are dropped: before the feature filters if the object filter
-/// restricts the scope of pairs (inter or intra), otherwise after them. Reused from step to step; in steady state, it
-/// allocates memory for contacts only. Not thread-safe.
+/// restricts the scope of pairs (inter or intra), otherwise after them. Without filters, the contacts of shell
+/// neighbours are dropped in place of their tests. Reused from step to step; in steady state, it allocates memory for
+/// contacts only. Not thread-safe.
 class TestChain {
  public:
   /// Begins a step and removes all tests and contacts. Results are added to `statistics`, which has as many entries as
@@ -74,6 +75,7 @@ class TestChain {
   void run_filter(FeatureKind kind, std::size_t stage);
   void collect(const TestBlock& block);
   void run_narrow_phase(const TestBlock& block);
+  void drop_shell_neighbours(std::size_t first);
   void observe(std::size_t stage, const TestBlock& block, std::span<const std::uint8_t> keep);
   void observe_dropped(FeatureKind kind, std::span<const FeaturePair> kept);
 

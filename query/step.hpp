@@ -49,8 +49,8 @@ struct Step {
   /// this value. 1: the whole step.
   double t_max = 1;
   /// The mesh is the solid mesh of a ShellThickener, and contacts of features that stem from the same vertex of the
-  /// shell mesh (share_shell_vertex) are not asked for: sources may leave out their tests, and a pipeline drops them
-  /// before the narrow phase.
+  /// shell mesh (share_shell_vertex) are not asked for: sources may leave out their tests, and a pipeline drops
+  /// what is left of these.
   bool leave_out_shell_neighbours = false;
   /// Which element pairs sources of work hand out. A pipeline sets it, whatever its caller has given.
   PairRange range = PairRange::every;
