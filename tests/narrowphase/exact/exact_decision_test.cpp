@@ -1,79 +1,17 @@
-// `exact` on cases with known answers, and on small lattices with many degenerate cases, compared with an independent
-// judge: conservative advancement on distances in long double.
+// `exact` on cases with known answers, and on small lattices with many degenerate cases, compared with the judge of
+// exact_cases.hpp.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include <gtest/gtest.h>
 
-#include <volccd/core/random.hpp>
-#include <volccd/narrowphase/exact/exact.hpp>
-#include <volccd/narrowphase/exact/exact_predicates.hpp>
-
-#include "narrowphase/oracle.hpp"
+#include "narrowphase/exact/exact_cases.hpp"
 
 namespace volccd::test::exact_decision {
 namespace {
 
 using Corners = std::array<Vec3, 4>;
-
-/// Control points of four points: the first one of each point, then the second one of each, and so on.
-struct Case {
-  FeatureKind kind;
-  std::vector<Corners> control;
-
-  ExactAnswer answer(double t_max = 1, double separation = 0) const {
-    const auto x = packed();
-    return exact_first_touch(motion(x), t_max, separation);
-  }
-  int compare(double t, double d) const {
-    const auto x = packed();
-    return compare_distance(motion(x), t, d);
-  }
-  Points at(Real t) const {
-    const auto between = [t](const Corners& a, const Corners& b) {
-      Points p;
-      for (std::size_t i = 0; i < 4; ++i) p[i] = (1 - t) * a[i].cast<Real>() + t * b[i].cast<Real>();
-      return p;
-    };
-    const Points first = between(control[0], control[1]);
-    if (control.size() == 2) return first;
-    const Points second = between(control[1], control[2]);
-    Points p;
-    for (std::size_t i = 0; i < 4; ++i) p[i] = (1 - t) * first[i] + t * second[i];
-    return p;
-  }
-  Real distance(Real t) const {
-    const Points p = at(t);
-    if (kind == FeatureKind::ee) return segment_segment_distance(p[0], p[1], p[2], p[3]);
-    const Real sides =
-        std::min({segment_segment_distance(p[0], p[0], p[1], p[2]), segment_segment_distance(p[0], p[0], p[2], p[3]),
-                  segment_segment_distance(p[0], p[0], p[3], p[1])});
-    return std::fmin(sides, triangle_region_distance(p[0], p[1], p[2], p[3]));  // it is NaN if there is no area
-  }
-  template <class Change>
-  Case with(Change change) const {
-    Case other = *this;
-    for (Corners& corners : other.control) change(corners);
-    return other;
-  }
-
- private:
-  using Packed = std::array<std::array<double, 9>, 4>;
-  Packed packed() const {
-    Packed x{};
-    for (std::size_t c = 0; c < control.size(); ++c)
-      for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t k = 0; k < 3; ++k) x[i][3 * c + k] = control[c][i][static_cast<Eigen::Index>(k)];
-    return x;
-  }
-  TestMotion motion(const Packed& x) const {
-    return {kind, static_cast<int>(control.size()), {x[0].data(), x[1].data(), x[2].data(), x[3].data()}};
-  }
-};
-
-constexpr FeatureKind vf = FeatureKind::vf, ee = FeatureKind::ee;
-constexpr double kDenormal = 0x1p-1074, kUlp = 0x1p-52;
 
 struct Known {
   const char* what;
@@ -82,13 +20,6 @@ struct Known {
   double toi;
   bool degenerate;
 };
-
-/// A vertex, and the triangle (0,0,0), (1,0,0), (0,1,0) at rest.
-Case against_triangle(std::vector<Vec3> path) {
-  Case c{vf, {}};
-  for (const Vec3& p : path) c.control.push_back({p, Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)});
-  return c;
-}
 
 std::vector<Known> known_vertex_cases() {
   using enum TouchCase;
@@ -224,57 +155,6 @@ TEST(ExactDecision, TimesBetweenDoubles) {
   EXPECT_FALSE(at_side(0x1p-50));
   // The vertex is below the plane afterwards.
   EXPECT_EQ(answer.side, -root.with([](Corners& x) { x[0].z() *= -1; }).answer().side);
-}
-
-/// The time at which the features come within 1e-8 of the separation, found with steps that are too short to pass it;
-/// above 1 if they do not. Speeds are bounded by differences of control points.
-Real advance(const Case& c, Real separation = 0) {
-  const auto degree = static_cast<Real>(c.control.size() - 1);
-  Real speed = 1e-9L, t = 0;
-  for (std::size_t k = 0; k + 1 < c.control.size(); ++k)
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = 0; j < i; ++j)
-        speed =
-            std::max(speed, degree * ((c.control[k + 1][i] - c.control[k][i]) - (c.control[k + 1][j] - c.control[k][j]))
-                                         .cast<Real>()
-                                         .norm());
-  while (t <= 1) {
-    const Real gap = c.distance(t) - separation;
-    if (gap < 1e-8L) return t;
-    t += gap / speed;
-  }
-  return t;
-}
-
-/// Integer coordinates in [0, range). Small ranges give many degenerate cases. Some points share coordinates or do not
-/// move.
-Case lattice_case(FeatureKind kind, std::size_t control_points, Random& random) {
-  Case c{kind, {}};
-  const std::uint64_t range = 2 + random.below(6), flat = random.below(4), still = random.below(6);
-  for (std::size_t k = 0; k < control_points; ++k) {
-    Corners x;
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (Eigen::Index a = 0; a < 3; ++a) x[i][a] = static_cast<double>(random.below(range));
-      if (flat == 0) x[i].z() = 0;
-      if (flat == 1) x[i].z() = x[i].x() + x[i].y();
-      if (k > 0 && i == still) x[i] = c.control[0][i];
-    }
-    c.control.push_back(x);
-  }
-  return c;
-}
-
-/// Calls f for 250 lattice cases of each kind and each number of control points.
-template <class F>
-void for_lattice_cases(std::uint64_t seed, F f) {
-  Random random(seed);
-  for (const FeatureKind kind : {vf, ee})
-    for (const std::size_t control_points : {2u, 3u})
-      for (int i = 0; i < 250; ++i) {
-        const Case c = lattice_case(kind, control_points, random);
-        SCOPED_TRACE(testing::Message() << (kind == vf ? "VF " : "EE ") << control_points << " case " << i);
-        f(c, random);
-      }
 }
 
 TEST(ExactDecision, AgreesWithAdvancement) {
@@ -450,93 +330,6 @@ TEST(ExactDecision, LinesAsCurves) {
     for (std::size_t i = 0; i < 4; ++i) curve.control[1][i] = (c.control[0][i] + c.control[1][i]) / 2;
     expect_same(c.answer(), curve.answer(), "three control points");
   });
-}
-
-TEST(ExactDecision, KnownTimesOfApproach) {
-  const auto edges = [](Corners a, Corners b) { return Case{ee, {a, b}}; };
-  const Case onto_inside = against_triangle({{.25, .25, 2}, {.25, .25, -2}});
-  const Case onto_side = against_triangle({{.5, -2, 0}, {.5, 2, 0}}),
-             onto_corner = against_triangle({{-2, 0, 0}, {2, 0, 0}});
-  const Case past_corner = against_triangle({{-4, -3, 0}, {4, -3, 0}});
-  const Case beside = against_triangle({{-2, .25, 1}, {2, .25, 1}});  // at the distance of the plane at all times
-  const Case along = against_triangle({{-2, -1, 0}, {2, -1, 0}});     // at the distance of a side's line at all times
-  const Case turns = against_triangle({{.25, .25, 3}, {.25, .25, -1}, {.25, .25, 3}});
-  const Case crossing = edges({Vec3(-1, 0, 2), Vec3(1, 0, 2), Vec3(0, -1, 0), Vec3(0, 1, 0)},
-                              {Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 1, 0)});
-  const Case parallel = edges({Vec3(-1, 0, 2), Vec3(1, 0, 2), Vec3(-1, 0, 0), Vec3(1, 0, 0)},
-                              {Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(1, 0, 0)});
-  const struct {
-    const char* what;
-    const Case& motion;
-    double separation, toi;  // toi < 0: apart
-    TouchCase reason;
-  } cases[] = {
-      {"inside", onto_inside, 1, .25, TouchCase::approach},
-      {"at the start", onto_inside, 2, 0, TouchCase::at_start},
-      {"a side", onto_side, 1, .25, TouchCase::approach},
-      {"a corner", onto_corner, 1, .25, TouchCase::approach},
-      {"past a corner", past_corner, 3, .5, TouchCase::approach},
-      {"not quite past a corner", past_corner, std::nextafter(3.0, 0), -1, TouchCase::apart},
-      {"beside, until above a side", beside, 1, .5, TouchCase::approach},
-      {"too high beside", beside, std::nextafter(1.0, 0), -1, TouchCase::apart},
-      {"along a line, until beside its edge", along, 1, .5, TouchCase::approach},
-      {"turns at the separation", turns, 1, .5, TouchCase::approach},
-      {"turns before the separation", turns, std::nextafter(1.0, 0), -1, TouchCase::apart},
-      {"edges", crossing, .5, .75, TouchCase::approach},
-      {"parallel edges", parallel, .5, .75, TouchCase::approach},
-      {"a denormal separation", onto_inside, kDenormal, std::nextafter(.5, 0), TouchCase::approach},
-  };
-  for (const auto& known : cases) {
-    const ExactAnswer answer = known.motion.answer(1, known.separation);
-    EXPECT_EQ(answer.touches, known.toi >= 0) << known.what;
-    EXPECT_EQ(answer.toi, std::max(known.toi, 0.0)) << known.what;
-    EXPECT_EQ(answer.reason, known.reason) << known.what;
-    EXPECT_EQ(answer.toi_exact, answer.touches && known.separation != kDenormal) << known.what;
-  }
-}
-
-TEST(ExactDecision, ApproachAgreesWithAdvancement) {
-  int touching = 0, apart = 0;
-  for_lattice_cases(6, [&](const Case& c, Random& random) {
-    const double separation = 0.25 * (1 + static_cast<double>(random.below(8)));
-    const ExactAnswer answer = c.answer(1, separation);
-    const Real judge = advance(c, separation);
-    // Features may pass at the separation itself.
-    ASSERT_TRUE(judge <= 1 || !answer.touches) << static_cast<double>(judge);
-    ASSERT_TRUE(judge > 1 || answer.touches || c.compare(static_cast<double>(judge), separation) > 0);
-    ++(answer.touches ? touching : apart);
-    const double until = answer.touches ? answer.toi : 1;
-    for (double t = 0; t < until; t += 1 / 64.0) ASSERT_EQ(c.compare(t, separation), 1) << t;
-    if (!answer.touches) return;
-    ASSERT_NEAR(answer.toi, static_cast<double>(judge), 1.5e-2);
-    ASSERT_EQ(c.compare(answer.toi, separation) <= 0, answer.toi_exact);
-    ASSERT_LE(std::abs(c.distance(answer.toi) - separation),
-              answer.reason == TouchCase::at_start ? separation : 1e-14L);
-    ASSERT_EQ(c.answer(answer.toi, separation).touches, answer.toi_exact);
-  });
-  EXPECT_GT(touching, 200);
-  EXPECT_GT(apart, 50);
-}
-
-TEST(ExactDecision, ComparesDistances) {
-  // 3-4-5 triangles at time 3/4: the length is exactly 5 at every scale.
-  for (const double scale : {1.0, 0x1p-1070, 0x1p1000}) {
-    const Case c = against_triangle({{-scale * 6, -scale * 4, 0}, {-scale * 2, -scale * 4, 0}});
-    EXPECT_EQ(c.compare(.75, 5 * scale), 0);
-    EXPECT_EQ(c.compare(.75, std::nextafter(5 * scale, 0)), 1);
-    EXPECT_EQ(c.compare(.75, std::nextafter(5 * scale, 9 * scale)), -1);
-  }
-  Random random(5);
-  for (int i = 0; i < 3000; ++i) {
-    Case c{i % 2 ? vf : ee, std::vector<Corners>(2 + static_cast<std::size_t>(i / 2 % 2))};
-    for (Corners& x : c.control)
-      for (Vec3& p : x) p = Vec3(random.uniform(-1, 1), random.uniform(-1, 1), i % 3 ? random.uniform(-.1, .1) : 0);
-    const double t = random.uniform();
-    const auto d = static_cast<double>(c.distance(t));
-    if (d < 1e-9) continue;
-    ASSERT_EQ(c.compare(t, d * (1 + 1e-12)), -1);
-    ASSERT_EQ(c.compare(t, d * (1 - 1e-12)), 1);
-  }
 }
 
 }  // namespace
