@@ -17,6 +17,8 @@
 
 namespace volccd::test::exact_decision {
 
+using Corners = std::array<Vec3, 4>;
+
 /// Control points of four points: the first one of each point, then the second one of each, and so on.
 struct Case {
   FeatureKind kind;

@@ -11,8 +11,6 @@
 namespace volccd::test::exact_decision {
 namespace {
 
-using Corners = std::array<Vec3, 4>;
-
 struct Known {
   const char* what;
   Case motion;
