@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <volccd/core/heap_bytes.hpp>
@@ -11,6 +12,7 @@
 #include <volccd/culling/stars/suspect_pairs.hpp>
 #include <volccd/culling/stars/suspect_share.hpp>
 #include <volccd/culling/stars/vertex_stars.hpp>
+#include <volccd/mesh/shells.hpp>
 
 namespace volccd {
 
@@ -25,7 +27,8 @@ constexpr int kMinFreeEdges = 10;
 struct StarOrphansState final : StageState {
   OSet set;
   detail::VertexStars stars;
-  TopologyDelta counted;  ///< the topology for which the following was determined
+  TopologyDelta counted;                  ///< the topology for which the following was determined
+  bool without_shell_neighbours = false;  ///< Step::leave_out_shell_neighbours, for which it was
   bool volumes = false;
   std::vector<std::uint8_t> free_edges;  ///< by element slot: edges that no other element has, up to 255
   detail::SuspectPairs pairs;            ///< those of which the orphans are listed
@@ -38,9 +41,19 @@ struct StarOrphansState final : StageState {
 StarOrphansState& state_of(StageState& state) { return static_cast<StarOrphansState&>(state); }
 const StarOrphansState& state_of(const StageState& state) { return static_cast<const StarOrphansState&>(state); }
 
-bool has_volumes(const Mesh& mesh) {
+/// Whether each vertex of an element has a copy of its shell vertex in the element, as in a thickened shell.
+bool is_thickened(std::span<const Index> vertices) {
+  return std::ranges::all_of(vertices, [&](Index v) {
+    return std::ranges::any_of(vertices, [&](Index w) { return w != v && shell_vertex(w) == shell_vertex(v); });
+  });
+}
+
+/// Whether there are elements with so many orphans that the classification of stars pays: not of shells, also
+/// thickened ones if their neighbours are left out.
+bool has_volumes(const Mesh& mesh, bool without_shell_neighbours) {
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.is_live(o) && !is_shell(mesh.type(o))) return true;
+    if (mesh.is_live(o) && !is_shell(mesh.type(o)) && !(without_shell_neighbours && is_thickened(mesh.vertices(o))))
+      return true;
   return false;
 }
 
@@ -50,12 +63,15 @@ std::uint8_t count_free_edges(const Features& features, Index o) {
   return static_cast<std::uint8_t>(std::min<std::ptrdiff_t>(std::count_if(edges.begin(), edges.end(), is_free), 255));
 }
 
-/// Determines what depends on the topology alone: after edits, for the elements at vertices whose elements changed.
-void count_elements(const Topology& topology, StarOrphansState& state, Executor& executor) {
+/// Determines what depends on the topology: after edits, for the elements at vertices whose elements changed.
+void count_elements(const Step& step, StarOrphansState& state, Executor& executor) {
+  const Topology& topology = step.topology;
+  const bool other =
+      std::exchange(state.without_shell_neighbours, step.leave_out_shell_neighbours) != step.leave_out_shell_neighbours;
   const TopologyDelta::Extent changed = state.counted.sync(topology);
-  if (changed == TopologyDelta::Extent::none) return;
-  state.volumes = has_volumes(topology.mesh());
-  const bool all = changed == TopologyDelta::Extent::everything || state.free_edges.empty();
+  if (changed == TopologyDelta::Extent::none && !other) return;
+  state.volumes = has_volumes(topology.mesh(), step.leave_out_shell_neighbours);
+  const bool all = changed == TopologyDelta::Extent::everything || other || state.free_edges.empty();
   state.free_edges.resize(state.volumes ? topology.mesh().element_slots() : 0);  // surfaces have no use for it
   const auto count = [&](Index o) { state.free_edges[o] = count_free_edges(topology.features(), o); };
   if (all) {
@@ -94,7 +110,7 @@ std::unique_ptr<StageState> StarOrphans::make_state() const { return std::make_u
 void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   StarOrphansState& state = state_of(stage_state);
   state.counters = {};
-  count_elements(step.topology, state, executor);
+  count_elements(step, state, executor);
   if (state.volumes) {
     Step alone = step;  // in a region, few pairs at a cut have orphans: less work than the other elements at the cut
     alone.piece.cut_stars = nullptr;

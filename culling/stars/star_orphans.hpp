@@ -11,8 +11,8 @@ namespace volccd {
 /// that hardly any orphan has to be listed or tested, and no O-Set is stored.
 ///
 /// The state contains an OSet as well, which provides the orphans if stars decide too little: if the mesh has no volume
-/// elements, or if more than the fraction `max_suspect_fraction` of the vertices have stars that may fold. It is built,
-/// and updated, only for such steps.
+/// elements but thickened shells whose neighbours are left out, or if more than the fraction `max_suspect_fraction` of
+/// the vertices have stars that may fold. It is built, and updated, only for such steps.
 class StarOrphans final : public OrphanSource {
  public:
   struct Config {

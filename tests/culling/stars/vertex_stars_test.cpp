@@ -6,12 +6,14 @@
 #include <cmath>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
 #include <volccd/culling/stars/star_orphans.hpp>
+#include <volccd/mesh/shells.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "culling/exact_contacts.hpp"
@@ -407,6 +409,31 @@ TEST(StarOrphans, LeavesSomeStepsToTheOSet) {
   EXPECT_FALSE(by_stars(solid, 0.05, 0.9)) << "separation";
   EXPECT_FALSE(by_stars(solid, 3, 0)) << "most stars fold";
   EXPECT_FALSE(by_stars(sheet, 0, 0)) << "no volumes";
+}
+
+/// Of thickened shells without their neighbours few orphans are left, and of a volume beside them many. A state follows
+/// steps that ask for other contacts.
+TEST(StarOrphans, LeavesThickenedShellsToTheOSet) {
+  SerialExecutor serial;
+  const StarOrphans source({});
+  const Shape sheet = block(ElementType::quad, 3, 3, 1);
+  Shape both = sheet;
+  both.append(block(ElementType::hexahedron, 1, 1, 1).translate(Vec3(0, 0, 5)), 1);
+  for (const auto& [shape, volumes] : {std::pair{sheet, false}, {both, true}}) {
+    const Mesh shells = shape.mesh();
+    const ShellThickener thickener(shells);
+    const Topology topology(thickener.solid_mesh(shells));
+    std::vector<Vec3> x;
+    thickener.positions(shape.positions, std::vector<double>(shells.element_slots(), 0.1), x);
+    const Motion motion = Motion::linear(x, x);
+    const auto state = source.make_state();
+    Step step{topology, motion, kEveryObject};
+    for (const bool leave_out : {false, true, false}) {
+      step.leave_out_shell_neighbours = leave_out;
+      source.prepare(step, *state, serial);
+      EXPECT_EQ(StarOrphans::counters(*state).by_stars, volumes || !leave_out) << leave_out;
+    }
+  }
 }
 
 /// While a block falls to pieces, a state that is kept lists the same orphans as a new one.
