@@ -69,16 +69,12 @@ std::optional<std::string> present_file(const std::string& file) {
 
 /// The command that generates the sequence, or the folder for it.
 std::string how_to_get(const RecordedInput& input) {
-  for (const SimulatedScene& scene : simulated_scenes())
-    for (const bool quick : {false, true}) {
-      BakeSettings settings;
-      if (quick) settings.elements = scene.quick_elements;
-      if (fs::path(baked_file(scene, settings)).filename() == input.file)
-        return simulating_command(scene.name + (quick ? "-quick" : ""));
-    }
+  for (const std::string& name : {input.scene, input.scene + "-quick"})
+    if (const auto file = file_to_simulate(name); file && fs::path(*file).filename() == input.file)
+      return simulating_command(name);
   if (is_deformed_scene(input.scene))
     return fmt::format("volccd experiment run {}", input.records.empty() ? "plus" : input.records.front());
-  if (find_simulated_scene(input.scene))
+  if (file_to_simulate(input.scene))
     return fmt::format("volccd experiment run {} (the record is of another version of the scene)",
                        input.records.empty() ? "all" : input.records.front());
   return fmt::format("put {} into the folder that VOLCCD_DATA names ({})", input.file, shared_data_path(""));
