@@ -39,7 +39,7 @@ struct SequenceOptions {
 
 /// What commands print if contacts of shell neighbours are left out.
 inline constexpr const char* kShellNeighboursLeftOut =
-    "left out: contacts of features that stem from one shell vertex; --shell-neighbours keep includes them";
+    "left out: contacts of features that stem from one shell vertex (see --shell-neighbours)";
 
 /// Options of the query: --pairs, --separation, --shell-neighbours, --threads.
 struct QueryOptions {

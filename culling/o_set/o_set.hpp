@@ -45,10 +45,10 @@ class OSet {
   /// threads.
   void build(const Topology& topology, Executor& executor);
 
-  /// Updates the set after topology edits; the result is the same set as that of build(). Calls build() at first, and
-  /// if the topology's history does not contain the last update. Otherwise the amortised cost is proportional to the
-  /// number of pairs that contain a feature of a changed element. Without the pairs of shell neighbours
-  /// (query/shell_neighbours.hpp) if they are to be left out; computes the whole set if it was the other one.
+  /// Updates the set after topology edits; the result is the same set as that of build(), without the pairs of shell
+  /// neighbours (query/shell_neighbours.hpp) if they are to be left out. Computes the whole set at first, if the last
+  /// update differed in what is left out, and if the topology's history does not contain it. Otherwise the amortised
+  /// cost is proportional to the number of pairs that contain a feature of a changed element.
   void update(const Topology& topology, Executor& executor, bool leave_out_shell_neighbours = false);
 
   std::size_t blocks() const;

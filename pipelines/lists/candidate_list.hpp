@@ -35,9 +35,8 @@ class CandidateList {
              double budget);
 
   /// Whether the list contains all contacts of the step, after the edits of the topology since it was made; it may be
-  /// refreshed for that. If not, there is no list afterwards. The step asks about the pairs of
-  /// objects and the shell neighbours that the list was made for. O(vertices),
-  /// and O(elements + list) after edits. Throws as build().
+  /// refreshed for that. If not, there is no list afterwards. The step has the object filter of the list, and leaves
+  /// out shell neighbours if it did. O(vertices), and O(elements + list) after edits. Throws as build().
   bool covers(const Pipeline& pipeline, const Step& step, Executor& executor);
 
   /// s + 2 b, rounded up.
