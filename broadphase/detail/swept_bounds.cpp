@@ -135,8 +135,9 @@ void BoundsTable::resize(std::size_t rows, int width) {
 }
 
 void BoundsTable::grow(std::size_t rows, std::size_t kept) {
-  const std::size_t size = rows * stride();
+  std::size_t size = rows * stride();
   if (size <= capacity_) return;
+  if (kept > 0) size += size / 16;  // the first of many changes
   std::unique_ptr<float[], Free> larger(
       static_cast<float*>(::operator new (size * sizeof(float), std::align_val_t{64})));
   if (kept > 0) std::copy_n(data_.get(), kept * stride(), larger.get());

@@ -29,7 +29,7 @@ class BoundsTable {
 
   /// The contents are undefined afterwards. Allocates memory only to grow beyond the largest size so far.
   void resize(std::size_t rows, int width);
-  /// The same, but keeps the first `kept` rows.
+  /// The same, but keeps the first `kept` rows, and allocates a reserve for further growth if there are any.
   void grow(std::size_t rows, std::size_t kept);
 
   int width() const { return width_; }

@@ -340,6 +340,38 @@ TEST(TopologyChanges, ElementsAddedInSlotsOfRemovedOnesAfterPartsOfTheTreeAreReb
   EXPECT_GT(KdopBvh::counters(*state).restructured_elements, 0u);
 }
 
+/// Elements are replaced in their slots by copies with vertices of their own, as along a crack: they keep their places
+/// in the tree, but are no longer adjacent to their neighbours.
+TEST(AdjacentPairs, FollowElementsThatAreReplacedInTheirPlaces) {
+  Shape shape = bricks(3);
+  const KdopBvh phase{{}}, slow{{.adjacent_pairs = KdopBvh::AdjacentPairs::vertices}};
+  const auto state = phase.make_state();
+  SerialExecutor executor;
+  Scene scene = make_scene("crack", shape, shape.positions);
+  const Mesh& mesh = scene.topology->mesh();
+  std::size_t before = 0;
+  for (Index round = 0; round < 4; ++round) {
+    scene.motion = Motion::linear(shape.positions, jittered(shape.positions, 0.1, round));
+    const Pairs pairs = run(phase, scene.step(), *state, PairRange::nonadjacent, executor);
+    EXPECT_EQ(pairs, run_fresh(slow, scene.step(), PairRange::nonadjacent));
+    EXPECT_GT(pairs.size(), before) << "elements that were adjacent overlap";
+    before = pairs.size();
+    TopologyEdit edit;
+    for (Index o = round; o < mesh.element_slots(); o += 13) edit.removed.push_back(o);
+    for (auto o = edit.removed.rbegin(); o != edit.removed.rend(); ++o) {  // slots are given in descending order
+      ElementSpec copy = mesh.spec(*o);
+      for (Index& v : copy.vertices) {
+        edit.new_vertex_ids.push_back(1000000 + static_cast<std::int64_t>(shape.positions.size()));
+        shape.positions.push_back(shape.positions[v]);
+        v = static_cast<Index>(shape.positions.size() - 1);
+      }
+      edit.added.push_back(copy);
+    }
+    scene.topology->apply(edit);
+  }
+  EXPECT_EQ(KdopBvh::counters(*state).builds, 1u);
+}
+
 // A serial query writes the pairs in the order of the tree, so that they show every difference of two trees.
 TEST(TreeThreads, AnyNumberMakesTheSameTree) {
   const Shape shape = bricks(7);  // enough elements for several tasks and chunks

@@ -39,7 +39,7 @@ class AdjacentLeaves {
   void update(std::span<const Index> slots, Index leaf_size, const Adjacency& adjacency, Index vertices,
               Executor& executor);
 
-  /// Removes the leaves of these positions, whose elements were reordered, from the table.
+  /// Removes the leaves of these positions, whose elements were reordered or replaced, from the table.
   void forget(Index begin, Index end);
 
   bool has(Index leaf) const { return leaf < elements_ && known_[leaf] != 0; }

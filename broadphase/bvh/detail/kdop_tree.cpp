@@ -10,7 +10,7 @@ namespace {
 
 /// A rebuild is due when more than 1/kGapDenominator of the elements were removed, or more than 1/kAddedDenominator of
 /// them plus kAddedAllowance were added.
-constexpr std::size_t kGapDenominator = 4, kAddedDenominator = 32, kAddedAllowance = 64;
+constexpr std::size_t kGapDenominator = 4, kAddedDenominator = 16, kAddedAllowance = 64;
 constexpr std::size_t max_added(std::size_t built) { return built / kAddedDenominator + kAddedAllowance; }
 
 /// Subtrees with fewer elements are not restructured separately.
@@ -54,6 +54,19 @@ void KdopTree::add_tree(const Step& step, Index begin, const BoundsTable& vertic
     std::fill_n(element_bounds_.row(p), 2 * element_bounds_.width(), 0.0f);
 }
 
+/// Whether the bounds of the element at a position overlap those of its last refit.
+bool KdopTree::is_near(const Step& step, Index position, const BoundsTable& vertices) const {
+  const float* const last = element_bounds_.row(position);
+  const auto axes = static_cast<std::size_t>(vertices.width());
+  const std::span<const Index> corners = step.topology.adjacency().vertices(slots_[position]);
+  const auto some = [&](auto&& predicate) { return std::ranges::any_of(corners, predicate); };
+  for (std::size_t axis = 0; axis < axes; ++axis)
+    if (!some([&](Index v) { return vertices.row(v)[axis] <= last[axes + axis]; }) ||
+        !some([&](Index v) { return vertices.row(v)[axes + axis] >= last[axis]; }))
+      return false;
+  return true;
+}
+
 bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices,
                     Executor& executor) {
   const Mesh& mesh = step.mesh();
@@ -63,6 +76,10 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
     if (!std::binary_search(touched.begin(), touched.end(), slots_[p])) added_.push_back(slots_[p]);
   for (const Index slot : touched) {
     if (const Index position = positions_[slot]; position < built_elements_) {
+      if (mesh.is_live(slot) && is_near(step, position, vertices)) {
+        adjacent_leaves_.forget(position, position + 1);
+        continue;
+      }
       slots_[position] = kNone;
       ++gaps_;
     }

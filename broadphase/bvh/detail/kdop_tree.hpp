@@ -35,9 +35,9 @@ class KdopTree {
   /// Builds a tree with bounds over all live elements. `vertices` are the bounds of the vertices for this step.
   void build(const Step& step, int leaf_size, const BoundsTable& vertices, Executor& executor);
 
-  /// Removes and adds elements. `touched`: slots whose elements may have changed since the last call. Returns
-  /// false if too many elements were removed or added since the last build; then build() must be called instead. Bounds
-  /// become valid with the next refit().
+  /// Removes and adds elements. `touched`: slots whose elements may have changed since the last call. An element that
+  /// is near the former one of its slot takes its place in the tree. Returns false if too many elements were removed or
+  /// added since the last build; then build() must be called instead. Bounds become valid with the next refit().
   bool edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices, Executor& executor);
 
   /// Updates the bounds for another step. Linear time in the number of elements.
@@ -90,6 +90,7 @@ class KdopTree {
     Index node;
     int depth;
   };
+  bool is_near(const Step& step, Index position, const BoundsTable& vertices) const;
   void add_tree(const Step& step, Index begin, const BoundsTable& vertices, Executor& executor);
   int build_subtree(const Step& step, const TreeBuilder::Subtree& subtree, const BoundsTable& vertices,
                     BuildScratch& scratch, Executor& executor);

@@ -1,6 +1,7 @@
 #include <volccd/culling/flood/detail/part_table.hpp>
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -8,9 +9,13 @@
 
 namespace volccd::detail {
 
+ElementType PartTable::type_of(const Mesh& mesh, Index o, Kind kind) {
+  return kind == kWhole ? mesh.type(o) : ElementType::triangle;
+}
+
 /// The part as an element; its id is the slot of the simplex.
 ElementSpec PartTable::spec_of(const Mesh& mesh, Index o, Kind kind) {
-  ElementSpec part{.type = kind == kWhole ? mesh.type(o) : ElementType::triangle, .object = mesh.object(o), .id = o};
+  ElementSpec part{.type = type_of(mesh, o, kind), .object = mesh.object(o), .id = o};
   const std::span<const Index> vertices = mesh.vertices(o);
   for (std::size_t i = 0; i < vertices.size(); ++i)
     if ((kind >> i & 1) != 0) part.vertices.push_back(vertices[i]);
@@ -49,9 +54,8 @@ bool PartTable::is_listed(const Mesh& mesh, Index o, Kind kind) const {
   if (kinds_[o] != kind) return false;
   if (kind == kNoPart) return true;
   const Index listed = part_of_simplex_[o];
-  const ElementSpec part = spec_of(mesh, o, kind);
   const std::span<const Index> simplex = mesh.vertices(o);
-  return parts_->mesh().type(listed) == part.type && parts_->mesh().object(listed) == part.object &&
+  return parts_->mesh().type(listed) == type_of(mesh, o, kind) && parts_->mesh().object(listed) == mesh.object(o) &&
          std::equal(simplex.begin(), simplex.end(), adjacency_.vertices(listed).begin());
 }
 
@@ -60,13 +64,29 @@ void PartTable::update(const Mesh& mesh, std::span<const Index> slots, KindOf ki
   part_of_simplex_.resize(mesh.element_slots(), kNone);
   TopologyEdit edit;
   edit.new_vertex_ids.assign(mesh.vertex_ids().begin() + parts_->mesh().vertex_count(), mesh.vertex_ids().end());
+  std::vector<Index> fresh;  // simplices that had no part
   for (const Index o : slots) {
     const Kind kind = mesh.is_live(o) ? kind_of(o) : kNoPart;
     if (is_listed(mesh, o, kind)) continue;
-    if (part_of_simplex_[o] != kNone) edit.removed.push_back(std::exchange(part_of_simplex_[o], kNone));
     kinds_[o] = kind;
-    if (kind != kNoPart) edit.added.push_back(spec_of(mesh, o, kind));
+    if (part_of_simplex_[o] != kNone)
+      edit.removed.push_back(std::exchange(part_of_simplex_[o], kNone));
+    else
+      fresh.push_back(o);
   }
+  // A topology gives the slots of removed elements, in descending order, to the added ones. A simplex with another part
+  // keeps its slot, and with it the place of the part in a tree.
+  std::sort(edit.removed.begin(), edit.removed.end(), std::greater());
+  const auto add = [&](Index o) { edit.added.push_back(spec_of(mesh, o, kinds_[o])); };
+  for (const Index part : edit.removed) {
+    if (const Index o = simplex_of_part_[part]; kinds_[o] != kNoPart) {
+      add(o);
+    } else if (!fresh.empty()) {
+      add(fresh.back());
+      fresh.pop_back();
+    }
+  }
+  std::for_each(fresh.begin(), fresh.end(), add);
   if (edit.empty()) return;
   const TopologyChange& change = parts_->apply(edit);
   for (const Index part : change.removed_elements) simplex_of_part_[part] = kNone;

@@ -49,6 +49,7 @@ class PartTable {
   std::size_t bytes() const;
 
  private:
+  static ElementType type_of(const Mesh& mesh, Index o, Kind kind);
   static ElementSpec spec_of(const Mesh& mesh, Index o, Kind kind);
   void set_adjacent(const Mesh& mesh, std::span<const Index> removed, std::span<const Index> added);
   bool is_listed(const Mesh& mesh, Index o, Kind kind) const;
