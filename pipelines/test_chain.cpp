@@ -37,7 +37,7 @@ void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
     tests = {tests.begin(), std::remove_if(tests.begin(), tests.end(), excluded)};
   }
   StageTimer timer(clock_, statistics_[0].seconds);
-  if (!stages_->filters.empty()) tests = select(kind, tests);
+  if (stages_->selects && !stages_->filters.empty()) tests = select(kind, tests);
   while (!tests.empty()) {
     const std::size_t taken = std::min(tests.size(), TestBlock::kCapacity);
     blocks(kind)[0].gather(*step_, kind, tests.first(taken));

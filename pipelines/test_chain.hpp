@@ -26,6 +26,7 @@ struct TestStages {
   std::span<const std::unique_ptr<StageState>> states;
   StageObserver* observer = nullptr;  ///< may be null
   std::size_t first_stage = 0;        ///< index of the first of these stages for the observer
+  bool selects = true;                ///< FeatureFilter::select() is called on the first filter
   bool collect = false;               ///< tests that the filters keep are collected in place of being performed
 };
 

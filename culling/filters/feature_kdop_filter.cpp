@@ -312,7 +312,7 @@ std::unique_ptr<StageState> FeatureKdopFilter::make_state() const {
   return std::make_unique<detail::FeatureKdopState>();
 }
 
-void FeatureKdopFilter::prepare(const Step& step, StageState& state, Executor& executor) const {
+void FeatureKdopFilter::prepare_select(const Step& step, StageState& state, Executor& executor) const {
   if (selects_) detail::project_vertices(step.motion, executor, static_cast<detail::FeatureKdopState&>(state).rows);
 }
 

@@ -30,7 +30,7 @@ class FeatureKdopFilter final : public FeatureFilter {
   /// Relative bounds along the axes of the 16-DOP, in single precision, are compared before coordinates are gathered,
   /// unless the options exclude that.
   std::unique_ptr<StageState> make_state() const override;
-  void prepare(const Step& step, StageState& state, Executor& executor) const override;
+  void prepare_select(const Step& step, StageState& state, Executor& executor) const override;
   std::size_t select(const Step& step, StageState& state, unsigned worker, FeatureKind kind,
                      std::span<FeaturePair> tests) const override;
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,

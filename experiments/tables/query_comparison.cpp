@@ -113,6 +113,7 @@ class QueryContestant {
     SerialExecutor executor;
     for (std::size_t i = 0; i < stages_.filters.size(); ++i)
       stages_.filters[i]->prepare(queries.step, *states_[i], executor);
+    if (!stages_.filters.empty()) stages_.filters[0]->prepare_select(queries.step, *states_[0], executor);
     narrow_->prepare(queries.step, *states_.back(), executor);
     chain_.start(queries.step, stages_, statistics_, 0);
     for (std::size_t begin = 0; begin < queries.size(); begin += kBatch) {

@@ -99,6 +99,9 @@ class BlockStage {
   virtual ~BlockStage() = default;
 
   const Stage& stage() const { return stage_; }
+  virtual void prepare(const Step& step, StageState& state, Executor& executor) const {
+    stage_.prepare(step, state, executor);
+  }
   /// Answers to the tests of the block, in its order.
   virtual std::vector<Answer> run(const Step& step, StageState& state, unsigned worker, const TestBlock& block) = 0;
   /// The same without answers and without memory of its own.
@@ -118,6 +121,10 @@ class FilterStage final : public BlockStage {
   FilterStage(const FeatureFilter& filter, StageTrials& trials)
       : BlockStage(filter), filter_(filter), trials_(trials) {}
 
+  void prepare(const Step& step, StageState& state, Executor& executor) const override {
+    filter_.prepare(step, state, executor);
+    filter_.prepare_select(step, state, executor);
+  }
   std::vector<Answer> run(const Step& step, StageState& state, unsigned worker, const TestBlock& block) override {
     std::vector<std::uint8_t> keep(block.padded_size(), 1);
     std::vector<FeaturePair> tests(block.pairs().begin(), block.pairs().end());
@@ -260,11 +267,11 @@ class BlockTrials {
     std::vector<FeaturePair> pairs;
     for (std::size_t i = 0; i < group.tests.size(); ++i)
       pairs.push_back(scene_.pair(group.choice.kind, static_cast<Index>(i)));
-    stage_.stage().prepare(step, *kept_, *trials_.threads);
+    stage_.prepare(step, *kept_, *trials_.threads);
     std::vector<Answer> together = answers(step, *kept_, group.choice.kind, pairs, 0);
     compare_batches(step, group, pairs, together, where);
     const auto fresh = stage_.stage().make_state();
-    stage_.stage().prepare(step, *fresh, trials_.serial);
+    stage_.prepare(step, *fresh, trials_.serial);
     const std::vector<Answer> anew = answers(step, *fresh, group.choice.kind, pairs, 0);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       stage_.judge(group.tests[i], group.t_max, together[i], where);
@@ -300,7 +307,7 @@ class BlockTrials {
     }
     for (const double end : ends) {
       const Step step = scene_.step(group.choice.control_points, group.separation, end);
-      stage_.stage().prepare(step, *kept_, trials_.serial);
+      stage_.prepare(step, *kept_, trials_.serial);
       const std::vector<Answer> now = answers(step, *kept_, group.choice.kind, pairs, 0);
       for (std::size_t i = 0; i < pairs.size(); ++i) {
         const bool kept = now[i].found ? now[i].same(all[i]) : !all[i].found || all[i].contact.toi >= end;
@@ -373,7 +380,7 @@ void count_allocations(BlockStage& stage, StageTrials& trials, int control_point
           scene.set(i, c);
         }
         const Step step = scene.step(control_points, 0, 1);
-        stage.stage().prepare(step, *state, trials.serial);
+        stage.prepare(step, *state, trials.serial);
         for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
           block.gather(step, kind, pairs[static_cast<std::size_t>(kind)]);
           stage.run_quietly(step, *state, block);

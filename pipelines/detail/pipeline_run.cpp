@@ -23,8 +23,13 @@ class Pipeline::Run {
         data_(data),
         executor_(executor),
         request_(request),
-        test_stages_{pipeline.feature_filters_, *pipeline.narrow_phase_, std::span(data.states).subspan(first_filter()),
-                     request.observer,          first_filter(),          request.candidates != nullptr},
+        test_stages_{.filters = pipeline.feature_filters_,
+                     .narrow_phase = *pipeline.narrow_phase_,
+                     .states = std::span(data.states).subspan(first_filter()),
+                     .observer = request.observer,
+                     .first_stage = first_filter(),
+                     .selects = !request.tests,
+                     .collect = request.candidates != nullptr},
         earliest_(request.query, step.t_max, pipeline.narrow_phase_->time_tolerance()) {
     step_.range = pipeline.range_;
     step_.adjacency_table = nullptr;
@@ -229,6 +234,8 @@ class Pipeline::Run {
     StageClock clock;
     const StageTimer timer(clock, statistics(0, stage).prepare_seconds);
     pipeline_.stages_[stage]->prepare(step, state(stage), executor_);
+    if (stage == first_filter() && test_stages_.selects && !pipeline_.feature_filters_.empty())
+      pipeline_.feature_filters_[0]->prepare_select(step, state(stage), executor_);
   }
 
   /// Whether a stage works in this step: a flood replaces the other sources, given tests all stages that find tests.

@@ -13,9 +13,14 @@ class FeatureFilter : public Stage {
  public:
   static constexpr const char* kRole = "feature-filter";
 
+  /// Prepares select(), after prepare(), in steps in which it is called: on the first filter, where tests are so many
+  /// that a table of all vertices pays.
+  virtual void prepare_select(const Step& step, StageState& state, Executor& executor) const {
+    (void)step, (void)state, (void)executor;
+  }
+
   /// Drops tests before their coordinates are gathered: by the same rule as run(), which sees only those that are left.
   /// Moves these to the front of `tests`, in their order, and returns their number; the entries behind are unspecified.
-  /// Not called on a filter that follows another one.
   virtual std::size_t select(const Step& step, StageState& state, unsigned worker, FeatureKind kind,
                              std::span<FeaturePair> tests) const {
     (void)step, (void)state, (void)worker, (void)kind;

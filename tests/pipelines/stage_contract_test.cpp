@@ -32,6 +32,7 @@ struct WatchedState final : StageState {
   std::vector<Vec3> positions;  ///< of the first control point
   int prepares = 0;             ///< since the last check_counts()
   std::size_t next_round = 0;
+  bool selects = false;  ///< select() of a filter was prepared for the step
 };
 
 WatchedState& own(StageState& state) { return static_cast<WatchedState&>(state); }
@@ -48,6 +49,7 @@ void watch_prepare(const Step& step, WatchedState& state) {
   state.version = step.topology.version();
   state.positions = positions_of(step.motion);
   state.next_round = 0;
+  state.selects = false;
   ++state.prepares;
 }
 
@@ -208,8 +210,13 @@ class Watched<FeatureFilter> final : public FeatureFilter {
   void prepare(const Step& step, StageState& state, Executor& executor) const override {
     inner_.prepare(step, state, executor);
   }
+  void prepare_select(const Step& step, StageState& state, Executor& executor) const override {
+    EXPECT_FALSE(std::exchange(own(state).selects, true)) << "select() is prepared once, after prepare()";
+    inner_.stage->prepare_select(step, *own(state).inner, executor);
+  }
   std::size_t select(const Step& step, StageState& state, unsigned worker, FeatureKind kind,
                      std::span<FeaturePair> tests) const override {
+    EXPECT_TRUE(own(state).selects);
     return inner_.stage->select(step, inner_.state_for_run(step, state), worker, kind, tests);
   }
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
@@ -258,6 +265,13 @@ class WatchedRegistry {
   /// In one step each stage is prepared once at most. Begins to count anew.
   void expect_one_prepare(const std::string& what) const {
     for (const auto& [role, state] : *states_) EXPECT_LE(std::exchange(state->prepares, 0), 1) << what << ": " << role;
+  }
+  /// Given tests are too few for a table for select(). Begins to count anew.
+  void expect_no_selection(const std::string& what) const {
+    for (const auto& [role, state] : *states_) {
+      EXPECT_FALSE(state->selects) << what << ": " << role;
+      state->prepares = 0;
+    }
   }
   void forget_states() const { states_->clear(); }
 
@@ -367,6 +381,12 @@ TEST(StageContract, EachStageRunsOnTheStepOfItsOnlyPrepare) {
           }
           contacts += result.contacts.size();
         }
+        TestBatch list;
+        StepResult result;
+        pipeline.run({topology, motion, filter}, workspace, *executor, result, {.candidates = &list});
+        pipeline.run({topology, motion, filter}, workspace, *executor, result, {.tests = &list});
+        EXPECT_EQ(result.contacts, plain) << spec.name;
+        watched.expect_no_selection(spec.name);
         topology.apply({{static_cast<Index>(3 * step)}, {}, {}});
       }
     }

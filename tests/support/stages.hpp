@@ -19,6 +19,14 @@ inline std::unique_ptr<StageState> prepared(const Stage& stage, const Step& step
   return state;
 }
 
+/// A state in which select() may be called.
+inline std::unique_ptr<StageState> prepared_to_select(const FeatureFilter& stage, const Step& step) {
+  SerialExecutor executor;
+  std::unique_ptr<StageState> state = prepared(stage, step);
+  stage.prepare_select(step, *state, executor);
+  return state;
+}
+
 inline void run_stage(const ElementCulling& stage, const Step& step, PairBatch& batch) {
   stage.run(step, *prepared(stage, step), 0, batch);
 }
@@ -26,7 +34,7 @@ inline void run_stage(const ElementCulling& stage, const Step& step, PairBatch& 
 /// select() and run() on all tests of the block.
 inline void run_stage(const FeatureFilter& stage, const Step& step, const TestBlock& block,
                       std::span<std::uint8_t> keep) {
-  const auto state = prepared(stage, step);
+  const auto state = prepared_to_select(stage, step);
   std::vector<FeaturePair> tests(block.pairs().begin(), block.pairs().end());
   tests.resize(stage.select(step, *state, 0, block.kind(), tests));
   for (std::size_t i = 0, next = 0; i < block.size(); ++i)

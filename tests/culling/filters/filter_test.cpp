@@ -344,7 +344,7 @@ TEST(FilterEffect, DropsWhatIsApart) {
 
 /// Tests of a block that select() takes out.
 std::size_t taken_out(const FeatureFilter& filter, const Step& step, const TestBlock& block) {
-  const auto state = prepared(filter, step);
+  const auto state = prepared_to_select(filter, step);
   std::vector<FeaturePair> tests(block.pairs().begin(), block.pairs().end());
   return tests.size() - filter.select(step, *state, 0, block.kind(), tests);
 }
