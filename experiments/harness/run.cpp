@@ -90,12 +90,14 @@ class Runner {
     stepper_.emplace(reader_, run_.config);  // element slots, and with them counts, depend on the edits before
     boundary_.reset();
     go_to(std::max(window.first - 1, 0));
-    for (Contestant& contestant : contestants_) run(contestant);
+    for (Contestant& contestant : contestants_)
+      if (takes_part(contestant.entrant, round)) run(contestant);
     for (int k = window.first; k < window.first + window.count; ++k) {
       go_to(k);
       if (!of_step_.contains(k)) remember(k);
       for (std::size_t i = 0; i < contestants_.size(); ++i) {
         Contestant& contestant = contestants_[(i + static_cast<std::size_t>(round)) % contestants_.size()];
+        if (!takes_part(contestant.entrant, round)) continue;
         run(contestant);
         rows.push_back(row(contestant, k, round));
         rows.back()["window"] = window.first;
@@ -253,8 +255,7 @@ bool run_experiment(const Registry& registry, const ExperimentPlan& plan, Execut
           record.add(key, rows);
           measured = true;
         }
-        done += static_cast<std::size_t>(window.count) * run.entrants.size() *
-                static_cast<std::size_t>(rounds.second - rounds.first);
+        done += static_cast<std::size_t>(window.count) * measured_runs(run, rounds);
       }
     }
     if (measured && process + 1 < plan.processes) return false;

@@ -37,6 +37,7 @@ void add_subsets_of(const Registry& registry, const char* broad_phase, const Orp
         Entrant one = entrant(registry, "stages", "VolCCD+", settings);
         one.pipeline = broad_phase;
         one.variant = names.empty() ? "none" : fmt::format("{}", fmt::join(names, " + "));
+        if (*orphans.name == '\0') one.every = kSlowEvery;  // without assignment
         entrants.push_back(std::move(one));
       }
 }
@@ -136,8 +137,11 @@ ExperimentPlan ablation_plan(const PlanContext& context) {
     if (context.own_scenes.empty() && scene.name != "octopi" && scene.name != "bullet" &&
         scene.name != "ls-dyna-projectile" && !(own && scene.name == "crash"))
       continue;
-    SceneRun run{
-        scene.name, scene.file, table_config(scene.file), sampled_windows(scene.file, context.full ? 4 : 1, 1), {}};
+    SceneRun run{scene.name,
+                 scene.file,
+                 table_config(scene.file),
+                 context.full ? sampled_windows(scene.file, 2, 2) : sampled_windows(scene.file, 1, 1),
+                 {}};
     SceneRun coplanarity = run;
     if (own) {
       add_own(context, run.entrants);

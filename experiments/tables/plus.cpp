@@ -16,38 +16,35 @@ namespace {
 
 /// An entrant, with its names in rows and in tables.
 struct Name {
-  const char *pipeline, *variant, *title;
+  const char *pipeline, *title;
   const char* preset = "VolCCD+";
   const char* flood = "boundary-flood";  ///< null: the flood of the preset
   bool on_boundary = false;
 };
-constexpr Name kVolCCDCubic = {"VolCCD", "cubic", "VolCCD cubic", "VolCCD", nullptr};
-constexpr Name kVolCCD = {"VolCCD", "inclusion", "VolCCD", "VolCCD", nullptr};
-constexpr Name kPlusCubic = {"VolCCD+", "cubic", "VolCCD+ cubic"};
-constexpr Name kWithoutFlood = {"VolCCD+ without flood", "inclusion", "without flood", "VolCCD+", "none"};
-constexpr Name kPlus = {"VolCCD+", "inclusion", "VolCCD+"};
-constexpr Name kBoundary = {"boundary alone", "inclusion", "boundary", "VolCCD+", "boundary-flood", true};
-constexpr Name kPlainBoundary = {
-    "boundary alone without flood", "inclusion", "boundary, no flood", "VolCCD+", "none", true};
-constexpr Name kEntrants[] = {kVolCCDCubic, kVolCCD, kPlusCubic, kWithoutFlood, kPlus, kBoundary, kPlainBoundary};
-constexpr const char* kTitles = "with inclusion, unless cubic is said; ";
+constexpr const char* kVariant = "inclusion";  ///< of these, not of a caller's pipelines
+constexpr Name kVolCCD = {"VolCCD", "VolCCD", "VolCCD", nullptr};
+constexpr Name kWithoutFlood = {"VolCCD+ without flood", "without flood", "VolCCD+", "none"};
+constexpr Name kPlus = {"VolCCD+", "VolCCD+"};
+constexpr Name kBoundary = {"boundary alone", "boundary", "VolCCD+", "boundary-flood", true};
+constexpr Name kPlainBoundary = {"boundary alone without flood", "boundary, no flood", "VolCCD+", "none", true};
+constexpr Name kEntrants[] = {kVolCCD, kWithoutFlood, kPlus, kBoundary, kPlainBoundary};
 
 Entrant plus_entrant(const PlanContext& context, const std::string& table, const Name& name) {
-  std::vector<std::string> settings = {std::string("narrow-phase=") + name.variant};
+  std::vector<std::string> settings;
   if (name.flood) settings.push_back(std::string("flood=") + name.flood);
   Entrant result = entrant(context.registry, table, name.preset, settings);
   result.pipeline = name.pipeline;
-  result.variant = name.variant;
+  result.variant = kVariant;
   result.on_boundary = name.on_boundary;
   return result;
 }
 
-/// One scene in one motion model on one number of threads.
+/// One scene on one number of threads.
 struct Group {
-  json scene, motion_model, table;
+  json scene;
   Rows rows;
 
-  Rows of(const Name& name) const { return rows.with("pipeline", name.pipeline).with("variant", name.variant); }
+  Rows of(const Name& name) const { return rows.with("pipeline", name.pipeline).with("variant", kVariant); }
   double ms(const Name& name) const {
     const Rows some = of(name);
     return some.empty() ? 0 : some.mean_ms(kStepAndEditTime);
@@ -62,8 +59,7 @@ struct Group {
 
 std::vector<Group> groups_of(const Rows& rows) {
   std::vector<Group> groups;
-  for (const Rows& some : rows.groups({"table", "motion_model", "scene"}))
-    groups.push_back({some.value("scene"), some.value("motion_model"), some.value("table"), some});
+  for (const Rows& some : rows.groups({"table", "scene"})) groups.push_back({some.value("scene"), some});
   return groups;
 }
 
@@ -72,51 +68,40 @@ std::string text_ratio(double value) { return value > 0 ? ratio_text(value) : "-
 std::string whole_number(double value) { return grouped(static_cast<std::uint64_t>(value)); }
 
 TitledTable times(const std::vector<Group>& groups) {
-  std::vector<std::string> header = {"scene", "motion model", "threads", "elements", "on boundary", "steps"};
+  std::vector<std::string> header = {"scene", "threads", "elements", "on boundary", "steps"};
   for (const Name& name : kEntrants) header.push_back(name.title);
   TextTable table(header, 3);
   for (const Group& group : groups) {
-    std::vector<std::string> row = {group.scene,
-                                    group.motion_model,
-                                    std::to_string(group.threads()),
-                                    whole_number(group.of(kPlus).median("elements")),
-                                    whole_number(group.of(kBoundary).median("elements")),
-                                    std::to_string(group.rows.steps())};
+    std::vector<std::string> row = {
+        group.scene, std::to_string(group.threads()), whole_number(group.of(kPlus).median("elements")),
+        whole_number(group.of(kBoundary).median("elements")), std::to_string(group.rows.steps())};
     for (const Name& name : kEntrants) row.push_back(text_ms(group.ms(name)));
     table.add(row);
   }
   return {"Whole steps, ms", table,
-          std::string(kTitles) +
-              "mean over steps of medians over rounds, edits of the topology included; on boundary: triangles there; "
-              "boundary: contacts of boundary features only\n"};
+          "mean over steps of medians over rounds, edits of the topology included; on boundary: triangles there; "
+          "boundary: contacts of boundary features only\n"};
 }
 
 TitledTable ratios(const std::vector<Group>& groups) {
-  TextTable table({"scene", "motion model", "threads", "VolCCD cubic / VolCCD+", "both cubic", "both inclusion",
-                   "flood gains", "volume / surface"},
-                  3);
+  TextTable table({"scene", "threads", "VolCCD / VolCCD+", "flood gains", "volume / surface"}, 3);
   for (const Group& group : groups)
-    table.add({group.scene, group.motion_model, std::to_string(group.threads()),
-               interval_text(group.ratio(kVolCCDCubic, kPlus)), interval_text(group.ratio(kVolCCDCubic, kPlusCubic)),
-               interval_text(group.ratio(kVolCCD, kPlus)), interval_text(group.ratio(kWithoutFlood, kPlus)),
-               interval_text(group.ratio(kPlus, kBoundary))});
+    table.add({group.scene, std::to_string(group.threads()), interval_text(group.ratio(kVolCCD, kPlus)),
+               interval_text(group.ratio(kWithoutFlood, kPlus)), interval_text(group.ratio(kPlus, kBoundary))});
   return {"Ratios of these times", table,
-          std::string(kTitles) +
-              "in brackets: 95 % intervals over steps and rounds; flood gains: without over with; volume / surface: "
-              "VolCCD+ over the boundary alone, same stages\n"};
+          "in brackets: 95 % intervals over steps and rounds; flood gains: without over with; volume / surface: "
+          "VolCCD+ over the boundary alone, same stages\n"};
 }
 
 TitledTable counts(const std::vector<Group>& groups) {
-  TextTable table(
-      {"scene", "motion model", "pipeline", "pairs", "survive", "owned tests", "orphans", "VF + EE tests", "contacts"},
-      3);
+  TextTable table({"scene", "pipeline", "pairs", "survive", "owned tests", "orphans", "VF + EE tests", "contacts"}, 3);
   for (const Group& group : groups) {
     if (group.threads() != groups.front().threads()) continue;  // the same for any number of threads
     for (const Name& name : kEntrants) {
       const Rows of = group.of(name);
       if (of.empty()) continue;
       const double steps = static_cast<double>(of.steps());
-      std::vector<std::string> row = {group.scene, group.motion_model, name.title};
+      std::vector<std::string> row = {group.scene, name.title};
       for (const char* column : {"element_pairs", "surviving_pairs", "owned_tests", "orphan_tests"})
         row.push_back(whole_number(of.sum(column) / steps));
       row.push_back(whole_number(of.tests() / steps));
@@ -125,28 +110,27 @@ TitledTable counts(const std::vector<Group>& groups) {
     }
   }
   return {"Counts of a step", table,
-          std::string(kTitles) +
-              "means over the same steps; pairs: of elements, that the broad phase or the flood gave; orphans: "
-              "tests of the O-Set\n"};
+          "means over the same steps; pairs: of elements, that the broad phase or the flood gave; orphans: "
+          "tests of the O-Set\n"};
 }
 
 /// The time on one thread divided by that on several threads; 0 if the record has no row on one thread.
 double speedup_of_threads(const std::vector<Group>& groups, const Group& group, const Name& name) {
   for (const Group& one : groups)
-    if (one.threads() == 1 && group.threads() > 1 && one.scene == group.scene && one.motion_model == group.motion_model)
+    if (one.threads() == 1 && group.threads() > 1 && one.scene == group.scene)
       return group.ms(name) > 0 ? one.ms(name) / group.ms(name) : 0;
   return 0;
 }
 
 void add_threads_table(const std::vector<Group>& groups, std::vector<TitledTable>& tables) {
-  std::vector<std::string> header = {"scene", "motion model", "threads"};
+  std::vector<std::string> header = {"scene", "threads"};
   for (const Name& name : kEntrants) header.push_back(name.title);
   TextTable table(header, 3);
   bool any = false;
   for (const Group& group : groups) {
     if (speedup_of_threads(groups, group, kPlus) <= 0) continue;
     any = true;
-    std::vector<std::string> row = {group.scene, group.motion_model, std::to_string(group.threads())};
+    std::vector<std::string> row = {group.scene, std::to_string(group.threads())};
     for (const Name& name : kEntrants) row.push_back(text_ratio(speedup_of_threads(groups, group, name)));
     table.add(row);
   }
@@ -161,24 +145,23 @@ ExperimentPlan plus_plan(const PlanContext& context) {
   const bool two_cores = context.full && std::thread::hardware_concurrency() >= 2;
   for (const TableScene& scene : table_and_large_scenes(context)) {
     const bool shortened = !context.full && scene.large;
-    const bool tentative = context.full && SequenceReader(scene.file).has_velocity();
-    for (const MotionModel model : {MotionModel::linear, MotionModel::tentative})
-      for (const unsigned threads : {0u, 2u}) {
-        if ((model == MotionModel::tentative && !tentative) || (threads > 0 && !two_cores)) continue;
-        const std::string table = threads > 0 ? fmt::format("{} threads", threads) : "";
-        SceneRun run{
-            scene.name,
-            scene.file,
-            table_config(scene.file, model),
-            context.full ? table_windows(context, scene.file) : sampled_windows(scene.file, 1, shortened ? 1 : 2),
-            {}};
-        run.threads = threads;
-        if (shortened) run.rounds = 1;
-        for (const Name& name : kEntrants) run.entrants.push_back(plus_entrant(context, table, name));
-        for (const std::string& pipeline : context.pipelines)
-          run.entrants.push_back(entrant(context.registry, table, pipeline));
-        plan.runs.push_back(std::move(run));
-      }
+    for (const unsigned threads : {0u, 2u}) {
+      if (threads > 0 && !two_cores) continue;
+      const std::string table = threads > 0 ? fmt::format("{} threads", threads) : "";
+      SceneRun run{
+          scene.name,
+          scene.file,
+          table_config(scene.file),
+          context.full ? table_windows(context, scene.file) : sampled_windows(scene.file, 1, shortened ? 1 : 2),
+          {}};
+      run.threads = threads;
+      if (shortened) run.rounds = 1;
+      for (const Name& name : kEntrants) run.entrants.push_back(plus_entrant(context, table, name));
+      run.entrants.front().every = kSlowEvery;
+      for (const std::string& pipeline : context.pipelines)
+        run.entrants.push_back(entrant(context.registry, table, pipeline));
+      plan.runs.push_back(std::move(run));
+    }
   }
   return plan;
 }
@@ -195,20 +178,15 @@ json plus_summary(const json& record) {
   json summary = json::array();
   for (const Group& group : groups) {
     summary.push_back({{"scene", group.scene},
-                       {"motion", group.motion_model},
                        {"threads", group.threads()},
                        {"elements", group.of(kPlus).median("elements")},
                        {"motions", group.rows.steps()},
-                       {"volccd_ms", group.ms(kVolCCDCubic)},
-                       {"volccd_inclusion_ms", group.ms(kVolCCD)},
+                       {"volccd_ms", group.ms(kVolCCD)},
                        {"volccd_plus_ms", group.ms(kPlus)},
-                       {"volccd_plus_cubic_ms", group.ms(kPlusCubic)},
                        {"without_flood_ms", group.ms(kWithoutFlood)},
                        {"boundary_only_ms", group.ms(kBoundary)},
                        {"boundary_without_flood_ms", group.ms(kPlainBoundary)},
-                       {"speedup_volccd", group.ratio(kVolCCDCubic, kPlus).value},
-                       {"speedup_volccd_cubic", group.ratio(kVolCCDCubic, kPlusCubic).value},
-                       {"speedup_volccd_inclusion", group.ratio(kVolCCD, kPlus).value},
+                       {"speedup_volccd", group.ratio(kVolCCD, kPlus).value},
                        {"volume_over_surface", group.ratio(kPlus, kBoundary).value},
                        {"flood_gain", group.ratio(kWithoutFlood, kPlus).value},
                        {"contacts", group.contacts(kPlus)},

@@ -56,6 +56,7 @@ std::vector<Entrant> entrants_of(const Registry& registry, const std::string& ta
       entrant(registry, table, "NavCCD", apart),
       entrant(registry, table, "NavCCD", filtered),
       table == "b" ? entrant(registry, table, "VolCCD-2011", test) : entrant(registry, table, "VolCCD+")};
+  for (const std::size_t slow : {0, 1, 4}) entrants[slow].every = kSlowEvery;
   return entrants;
 }
 
@@ -285,9 +286,11 @@ ExperimentPlan table1_plan(const PlanContext& context) {
   for (const TableScene& scene : table_scenes(context)) {
     const auto add = [&](const std::string& table, MotionModel model, EdgeSet edges) {
       SceneRun run{scene.name, scene.file, table_config(scene.file, model), table_windows(context, scene.file), {}};
-      // Table a takes half of the whole time, and its ratios are far from 1; of other motions and edges few are used.
+      // Table a takes a third of the whole time, and its ratios are far from 1; of other motions and edges few are
+      // used.
       const bool beside = model != MotionModel::linear || edges != EdgeSet::triangulated;
-      if (context.full && (table == "a" || beside)) run.rounds = 2;
+      if (context.full && table == "a") run.rounds = 2;
+      if (context.full && beside) run.rounds = 3;
       run.config.edge_set = edges;
       run.entrants = entrants_of(context.registry, table);
       if (table == "c")
@@ -295,11 +298,13 @@ ExperimentPlan table1_plan(const PlanContext& context) {
           run.entrants.push_back(entrant(context.registry, table, pipeline));
       plan.runs.push_back(std::move(run));
     };
-    for (const char* table : {"a", "b", "c"}) add(table, MotionModel::linear, EdgeSet::triangulated);
+    const bool of_paper = !context.own_scenes.empty() || kPrintedRows.count(scene.name) > 0;
+    for (const char* table : {"a", "b", "c"})
+      if (of_paper || *table == 'c') add(table, MotionModel::linear, EdgeSet::triangulated);
     const SequenceReader reader(scene.file);
     if (context.full && reader.has_velocity()) add("c", MotionModel::tentative, EdgeSet::triangulated);
     if (context.full && reader.has_query()) add("c", MotionModel::query, EdgeSet::triangulated);
-    if (context.full && has_hexahedra(scene.file)) add("b", MotionModel::linear, EdgeSet::polytope);
+    if (context.full && of_paper && has_hexahedra(scene.file)) add("b", MotionModel::linear, EdgeSet::polytope);
   }
   return plan;
 }

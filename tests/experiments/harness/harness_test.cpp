@@ -211,6 +211,18 @@ TEST_F(Harness, ProcessesDivideTheRounds) {
   EXPECT_EQ(rounds, (std::map<int, std::set<int>>{{0, {0}}, {1, {1, 2}}}));
 }
 
+TEST_F(Harness, SlowEntrantsTakePartInFewerRounds) {
+  ExperimentPlan slow = plan(6, {{1, 2}});
+  slow.runs[0].entrants[0].every = 2;
+  const std::vector<json> rows = rows_of(slow, 1, "s");
+  EXPECT_EQ(rows.size(), 2u * (3u + 3u * 6u));
+  EXPECT_EQ(measured_runs(slow), rows.size());
+  std::map<std::string, std::set<int>> rounds;
+  for (const json& row : rows) rounds[row.at("pipeline")].insert(row.at("round").get<int>());
+  EXPECT_EQ(rounds.at("NavCCD"), (std::set<int>{0, 2, 4}));
+  EXPECT_EQ(rounds.at("VolCCD+"), (std::set<int>{0, 1, 2, 3, 4, 5}));
+}
+
 TEST_F(Harness, ARecordIsCompleteForItsOwnIdentityAlone) {
   const ExperimentPlan one = plan(1, {{1, 1}});
   SerialExecutor serial;
