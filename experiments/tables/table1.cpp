@@ -286,7 +286,7 @@ ExperimentPlan table1_plan(const PlanContext& context) {
   for (const TableScene& scene : table_scenes(context)) {
     const auto add = [&](const std::string& table, MotionModel model, EdgeSet edges) {
       SceneRun run{scene.name, scene.file, table_config(scene.file, model), table_windows(context, scene.file), {}};
-      // Table a takes a third of the whole time, and its ratios are far from 1; of other motions and edges few are used.
+      // Table a takes a third of the time, and its ratios are far from 1; of other motions and edges few are used.
       const bool beside = model != MotionModel::linear || edges != EdgeSet::triangulated;
       if (context.full && (table == "a" || beside)) run.rounds = 2;
       run.config.edge_set = edges;
