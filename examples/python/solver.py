@@ -13,7 +13,7 @@ DENSITY, SHEAR_MODULUS, LAME, GRAVITY = 1000, 2e5, 3e5, 9.81
 STRAIN_LIMIT = 0.3  # of the largest principal Green strain; beyond it, an element breaks
 SEPARATION = 1e-5   # distance at which features stop approaching each other
 SWEEPS = 5          # passes over the contacts in which impulses are applied
-MOST_PARTS = 10     # parts of a step; the rest of its time is omitted
+MAX_PARTS = 10      # parts of a step; the rest of its time is omitted
 # The block at the beginning; the beam has its corner at the origin.
 IMPACT_VELOCITY, SPIN = np.array([0, 0, -6.0]), np.array([6, 4, 2.0])
 BLOCK_SIZE, BLOCK_CENTRE = np.array([0.4, 0.36, 0.4]), np.array([0.97, 0.21, 0.41])
@@ -90,7 +90,7 @@ class Solver:
     def move(self):
         """Moves all vertices by their velocities for the time of a step, in as many parts as the contacts demand."""
         left = TIME_STEP
-        for _ in range(MOST_PARTS):
+        for _ in range(MAX_PARTS):
             self.respond(left)
             earliest = self.detector.step(self.x, self.x + left * self.v, first=True).contacts
             share = 0.9 * earliest[0]["toi"] if len(earliest) else 1.0  # the largest safe step, with a reserve
