@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kRankRounds = 3;
 /// Steps that are not measured: with the first, ranks make their pieces; then regions follow measured times.
-constexpr int kRankWarmUps = 12;
+constexpr int kRankWarmUps = 20;
 
 /// A motion of the mesh: a part of that between two frames, and how far ahead lists of elements are made
 /// (Config::skin).
