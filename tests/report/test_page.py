@@ -179,7 +179,7 @@ class Report(Page):
         BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
         tip = self.text(".tip")
         made = TABLE1["provenance"]
-        for part in ("table1.json", f"commit {made['commit']}", made["cpu"], f"load {made['load']}",
+        for part in ("table1.json", f"commit {made['commit']}", made["cpu"], f"load {made['load']:g}",
                      "volccd experiment run table1 --full"):
             self.assertIn(part, tip)
         BROWSER.click(f"{first} tbody tr:nth-child(2) td:nth-child(4)")
