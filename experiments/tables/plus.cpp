@@ -6,7 +6,6 @@
 
 #include <volccd/experiments/tables/interval.hpp>
 #include <volccd/experiments/tables/rows.hpp>
-#include <volccd/io/sequence/reader.hpp>
 
 namespace volccd {
 
