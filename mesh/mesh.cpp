@@ -132,6 +132,8 @@ Index Mesh::place(const ElementSpec& element) noexcept {
   types_[slot] = element.type;
   objects_[slot] = element.object;
   element_ids_[slot] = element.id;
+  ids_ascend_ = ids_ascend_ && (slot == 0 || element_ids_[slot - 1] < element.id) &&
+                (slot + 1 == element_ids_.size() || element.id < element_ids_[slot + 1]);
   const std::size_t begin = allocate(element.vertices.size() + element.faces.size());
   blocks_[slot] = {begin, static_cast<Index>(element.vertices.size()), static_cast<Index>(element.faces.size())};
   const auto to = connectivity_.begin() + static_cast<std::ptrdiff_t>(begin);

@@ -74,6 +74,8 @@ class Mesh {
   ElementType type(Index o) const { return types_[o]; }
   std::int32_t object(Index o) const { return objects_[o]; }
   std::int64_t element_id(Index o) const { return element_ids_[o]; }
+  /// If true, live elements of greater slots have greater ids: so it is until an edit adds elements in another order.
+  bool element_ids_ascend() const { return ids_ascend_; }
   /// Vertex slots in node order; empty for an empty slot.
   std::span<const Index> vertices(Index o) const {
     return {connectivity_.data() + blocks_[o].begin, types_[o] == ElementType::none ? 0u : blocks_[o].vertices};
@@ -111,6 +113,7 @@ class Mesh {
   std::map<std::size_t, std::vector<std::size_t>> free_blocks_;
   detail::SlotTable id_table_;  ///< from element id to slot
   Index live_ = 0;
+  bool ids_ascend_ = true;  ///< also with the former ids of empty slots
 };
 
 }  // namespace volccd

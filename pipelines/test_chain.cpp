@@ -56,16 +56,10 @@ bool TestChain::drops_first() const {
 /// The tests that the first filter does not drop before their coordinates are gathered. It sees the others again.
 std::span<FeaturePair> TestChain::select(FeatureKind kind, std::span<FeaturePair> tests) {
   if (stages_->observer) observed_.assign(tests.begin(), tests.end());
-  const std::size_t left = stages_->filters[0]->select(pruned_step(), *stages_->states[0], worker_, kind, tests);
+  const std::size_t left = stages_->filters[0]->select(step_->until(t_max_), *stages_->states[0], worker_, kind, tests);
   statistics_[0].in += tests.size() - left;
   if (stages_->observer) observe_dropped(kind, tests.first(left));
   return tests.first(left);
-}
-
-Step TestChain::pruned_step() const {
-  Step step = *step_;
-  step.t_max = t_max_;
-  return step;
 }
 
 void TestChain::finish() {
@@ -92,7 +86,7 @@ void TestChain::run_filter(FeatureKind kind, std::size_t stage) {
   std::array<std::uint8_t, TestBlock::kCapacity> flags;
   flags.fill(1);
   const auto keep = std::span(flags).first(block.padded_size());
-  stages_->filters[stage]->run(pruned_step(), *stages_->states[stage], worker_, block, keep);
+  stages_->filters[stage]->run(step_->until(t_max_), *stages_->states[stage], worker_, block, keep);
   const auto dropped = std::count(keep.begin(), keep.begin() + static_cast<std::ptrdiff_t>(block.size()), 0);
   statistics_[stage].out += block.size() - static_cast<std::size_t>(dropped);
   observe(stage, block, keep);

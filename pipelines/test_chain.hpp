@@ -69,7 +69,6 @@ class TestChain {
   using Blocks = std::deque<TestBlock>;  ///< block i: input of filter i; the last one: input of the narrow phase
 
   Blocks& blocks(FeatureKind kind) { return blocks_[static_cast<std::size_t>(kind)]; }
-  Step pruned_step() const;
   bool drops_first() const;
   std::span<FeaturePair> select(FeatureKind kind, std::span<FeaturePair> tests);
   void run(FeatureKind kind, std::size_t stage);

@@ -72,6 +72,13 @@ struct Step {
   }
   /// Whether all of them are.
   bool asks_for_all() const { return filter.trivial() && !leave_out_shell_neighbours; }
+
+  /// The same step with another t_max.
+  Step until(double time) const {
+    Step step = *this;
+    step.t_max = time;
+    return step;
+  }
 };
 
 }  // namespace volccd

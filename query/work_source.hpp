@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <volccd/query/pairs.hpp>
@@ -16,6 +17,8 @@ struct TestBatch {
   std::vector<FeaturePair> vf, ee;
 
   std::size_t size() const { return vf.size() + ee.size(); }
+  /// Numbers of VF and of EE tests.
+  std::pair<std::size_t, std::size_t> sizes() const { return {vf.size(), ee.size()}; }
   /// Appends the tests begin .. end - 1 of another batch, where the EE tests follow the VF tests.
   void append(const TestBatch& other, std::size_t begin, std::size_t end) {
     const auto part = [&](const std::vector<FeaturePair>& from, std::size_t first, std::vector<FeaturePair>& to) {

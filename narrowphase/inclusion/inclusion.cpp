@@ -2,6 +2,7 @@
 
 #include <volccd/narrowphase/contact_frame.hpp>
 #include <volccd/narrowphase/detail/clearly_separated.hpp>
+#include <volccd/narrowphase/detail/close_at_start.hpp>
 #include <volccd/narrowphase/exact/exact_predicates.hpp>
 #include <volccd/narrowphase/inclusion/detail/crossing_block.hpp>
 #include <volccd/narrowphase/inclusion/detail/inclusion_search.hpp>
@@ -61,8 +62,19 @@ void Inclusion::run(const Step& step, StageState&, unsigned, const TestBlock& bl
     std::array<std::uint8_t, TestBlock::kCapacity> keep;
     keep.fill(1);
     drop_clearly_separated(block, step.separation, keep);
-    for (std::size_t i = 0; i < block.size(); ++i)
-      if (keep[i] != 0) test_one(step, kind, block.vertices(i), contacts, counters);
+    CloseAtStart close;
+    if (step.separation > 0) close.find(block, step.separation, keep);
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      if (keep[i] == 0) continue;
+      const std::array<Index, 4>& vertices = block.vertices(i);
+      if (step.separation == 0 || !close.contains(i)) {
+        test_one(step, kind, vertices, contacts, counters);
+        continue;
+      }
+      contacts.push_back(contact_near(kind, vertices, test_points(step.motion, vertices), step.motion.control_points(),
+                                      0, close.closest(i)));
+      contacts.back().at_start = true;
+    }
     return;
   }
   CoplanarityBlock cubics;

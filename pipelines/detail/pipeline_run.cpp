@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <span>
-#include <utility>
 
 #include <volccd/core/checked_executor.hpp>
 #include <volccd/pipelines/detail/earliest_time.hpp>
@@ -110,8 +109,8 @@ class Pipeline::Run {
   void fetch(const Source& source, const Round& round, unsigned w, std::size_t block) {
     WorkerScratch& worker = scratch(w);
     const std::size_t old_pairs = worker.work.pairs.size();
-    const auto [old_vf, old_ee] = sizes_of(worker.work.tests);
-    source.stage.run(pruned(step_, earliest_.limit()), state(source.index), w, block, worker.work);
+    const auto [old_vf, old_ee] = worker.work.tests.sizes();
+    source.stage.run(step_.until(earliest_.limit()), state(source.index), w, block, worker.work);
     const auto pairs = std::span(worker.work.pairs).subspan(old_pairs);
     const std::size_t tests = worker.work.tests.size() - old_vf - old_ee;
     worker.sums.element_pairs += pairs.size();
@@ -137,7 +136,7 @@ class Pipeline::Run {
       worker.batch.assign(std::span(pairs).last(count));
       pairs.resize(pairs.size() - count);
       const bool at_start = round.kind == RoundKind::pairs_at_start;
-      const Step step = pruned(pair_step(), at_start ? 0 : earliest_.limit());
+      const Step step = pair_step().until(at_start ? 0 : earliest_.limit());
       cull_pairs(step, w);
       if (flooded_) record_survivors(source, w);
       if (at_start) continue;
@@ -172,7 +171,7 @@ class Pipeline::Run {
   void assign_tests(const Step& step, unsigned w) {
     WorkerScratch& worker = scratch(w);
     TestBatch& tests = worker.work.tests;
-    const auto [old_vf, old_ee] = sizes_of(tests);
+    const auto [old_vf, old_ee] = tests.sizes();
     {
       const StageTimer timer(clock(w), statistics(w, assignment()).seconds);
       pipeline_.assignment_->run(step, state(assignment()), w, worker.batch, tests);
@@ -260,14 +259,6 @@ class Pipeline::Run {
     executor_.parallel_for(data_.workers.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
       for (std::size_t w = begin; w < end; ++w) body(static_cast<unsigned>(w));
     });
-  }
-
-  static Step pruned(Step step, double t_max) {
-    step.t_max = t_max;
-    return step;
-  }
-  static std::pair<std::size_t, std::size_t> sizes_of(const TestBatch& tests) {
-    return {tests.vf.size(), tests.ee.size()};
   }
 
   WorkerScratch& scratch(unsigned w) const { return *data_.workers[w]; }

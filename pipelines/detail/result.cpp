@@ -11,10 +11,12 @@ namespace volccd::detail {
 
 namespace {
 
-Index element_of_smallest_id(const Mesh& mesh, std::span<const Index> elements) {
-  Index smallest = kNone;
+/// Usually the first one, which is in an array of its own: contacts are at random places of the mesh.
+Index element_of_smallest_id(const Mesh& mesh, Index first, std::span<const Index> elements) {
+  if (mesh.element_ids_ascend()) return first;
+  Index smallest = first;
   for (const Index o : elements)
-    if (smallest == kNone || mesh.element_id(o) < mesh.element_id(smallest)) smallest = o;
+    if (mesh.element_id(o) < mesh.element_id(smallest)) smallest = o;
   return smallest;
 }
 
@@ -24,9 +26,14 @@ void complete(Contact& contact, const Topology& topology) {
   auto& [a, b] = contact.features;
   if (contact.kind == FeatureKind::ee && features.edge(a)[0] != contact.vertices[0]) std::swap(a, b);
   const bool vf = contact.kind == FeatureKind::vf;
+  const Mesh& mesh = topology.mesh();
+  const auto of_edge = [&](Index e) {
+    return element_of_smallest_id(mesh, features.first_element_of_edge(e), features.edge_elements(e));
+  };
   contact.elements = {
-      element_of_smallest_id(topology.mesh(), vf ? features.vertex_elements(a) : features.edge_elements(a)),
-      element_of_smallest_id(topology.mesh(), vf ? features.triangle_elements(b) : features.edge_elements(b))};
+      vf ? element_of_smallest_id(mesh, features.first_element_of_vertex(a), features.vertex_elements(a)) : of_edge(a),
+      vf ? element_of_smallest_id(mesh, features.first_element_of_triangle(b), features.triangle_elements(b))
+         : of_edge(b)};
 }
 
 /// Sets StepResult::ends to the contacts at the end of the step.

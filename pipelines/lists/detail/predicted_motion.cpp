@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <volccd/numerics/rounding.hpp>
+#include <volccd/pipelines/lists/detail/line_distance.hpp>
 
 namespace volccd::detail {
 
@@ -29,15 +30,16 @@ bool PredictedMotion::set(const Motion& motion, double steps, const Features& fe
   for (Index v = 0; v < motion.vertex_count(); ++v) {
     const Vec3 x0 = motion.point(v, 0), x1 = motion.point(v, last);
     const bool live = is_live(features, v);
-    const Vec3 from = steps == 0 ? x1 : x0, to = steps == 0 || !live ? from : Vec3(x0 + steps * (x1 - x0));
+    const Vec3 from = steps == 0 ? x1 : x0, to = steps == 0 ? from : Vec3(x0 + steps * (x1 - x0));
+    // A vertex without elements usually moves as others do, and is then passed over together with them.
     if (!live)
-      lines_.set(v, 0, from), lines_.set(v, 1, to);
+      lines_.set(v, 0, from), lines_.set(v, 1, to.cwiseAbs().maxCoeff() <= kMaxCoordinate ? to : from);
     else
       finite = set_line(v, from, to) && finite;
-    square = std::max(square, (to - from).squaredNorm());
+    if (live) square = std::max(square, (to - from).squaredNorm());
   }
   length_ = std::sqrt(square);
-  if (finite) choose_sample();
+  if (finite) choose_sample(features);
   return finite;
 }
 
@@ -73,10 +75,10 @@ bool PredictedMotion::renew(const Motion& motion, Interval at, std::span<const I
 }
 
 /// The fastest vertices tell best how far a motion has gone.
-void PredictedMotion::choose_sample() {
+void PredictedMotion::choose_sample(const Features& features) {
   speeds_.clear();
   for (Index v = 0; v < lines_.vertex_count(); ++v)
-    if (const double speed = (lines_.point(v, 1) - lines_.point(v, 0)).squaredNorm(); speed > 0)
+    if (const double speed = (lines_.point(v, 1) - lines_.point(v, 0)).squaredNorm(); speed > 0 && is_live(features, v))
       speeds_.emplace_back(-speed, v);
   const std::size_t count = std::min(kSample, speeds_.size());
   std::nth_element(speeds_.begin(), speeds_.begin() + static_cast<std::ptrdiff_t>(count), speeds_.end());
@@ -107,13 +109,17 @@ double PredictedMotion::square_distance(const Motion& motion, Index v, const dou
 }
 
 double PredictedMotion::distance(const Motion& motion, const Features& features, Interval at, Executor& executor) {
-  const double times[3] = {at.begin, motion.control_points() == 2 ? at.end : 0.5 * (at.begin + at.end), at.end};
+  const bool straight = motion.control_points() == 2;
+  const double times[3] = {at.begin, straight ? at.end : 0.5 * (at.begin + at.end), at.end};
   worst_.assign(executor.workers(), 0);
   executor.parallel_for(motion.vertex_count(), kGrain, [&](std::size_t begin, std::size_t end, unsigned worker) {
     double worst = worst_[worker];
-    for (auto v = static_cast<Index>(begin); v < end && !std::isnan(worst); ++v)
-      if (const double square = square_distance(motion, v, times); !(square <= worst) && is_live(features, v))
-        worst = square;
+    for (auto v = static_cast<Index>(begin), last = static_cast<Index>(end); v < last && !std::isnan(worst);) {
+      if (straight) v = pass_near_vertices(motion, lines_, {at.begin, at.end}, worst, v, last);
+      for (const Index stop = std::min(last, v + kDistanceGroup); v < stop; ++v)
+        if (const double square = square_distance(motion, v, times); !(square <= worst) && is_live(features, v))
+          worst = square;
+    }
     worst_[worker] = worst;
   });
   double square = 0;

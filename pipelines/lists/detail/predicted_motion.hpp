@@ -47,7 +47,7 @@ class PredictedMotion {
  private:
   bool set_line(Index v, const Vec3& from, const Vec3& to);
   double square_distance(const Motion& motion, Index v, const double (&times)[3]) const;
-  void choose_sample();
+  void choose_sample(const Features& features);
 
   Motion lines_;
   std::vector<Index> sample_;                     ///< vertices for nearest()
