@@ -14,6 +14,8 @@ namespace {
 
 /// A list is refreshed for at most this many vertices.
 constexpr std::size_t kMaxRenewed = 64;
+/// The budget of the inner list, in budgets.
+constexpr double kInnerShare = 0.125;
 
 /// Removes the tests whose first feature, or second one, is in a list.
 void remove_tests(std::vector<FeaturePair>& tests, Index FeaturePair::*which, std::span<const Index> features,
@@ -39,14 +41,18 @@ bool CandidateList::build(const Pipeline& pipeline, const Step& step, Workspace&
   delta_.sync(step.topology);
   delta_.confirm();
   if (!is_near(step, executor)) return false;
-  const Step ahead{.topology = step.topology,
-                   .motion = prediction_.lines(),
-                   .filter = step.filter,
-                   .separation = separation(step.separation, budget),
-                   .leave_out_shell_neighbours = step.leave_out_shell_neighbours,
-                   .piece = {.complete = step.piece.complete, .cut_stars = step.piece.cut_stars}};
+  Step ahead{.topology = step.topology,
+             .motion = prediction_.lines(),
+             .filter = step.filter,
+             .separation = separation(step.separation, budget),
+             .leave_out_shell_neighbours = step.leave_out_shell_neighbours,
+             .piece = {.complete = step.piece.complete, .cut_stars = step.piece.cut_stars}};
   StepResult result;
   pipeline.run(ahead, workspace, executor, result, {.count_adjacent = false, .candidates = &tests_});
+  inner_budget_ = kInnerShare * budget;
+  ahead.separation = separation(step.separation, inner_budget_);
+  pipeline.run(ahead, workspace, executor, result,
+               {.count_adjacent = false, .tests = &tests_, .candidates = &inner_tests_});
   refreshed_ = 0;
   made_ = true;
   return true;
@@ -72,10 +78,12 @@ bool CandidateList::follow_edits(const Step& step) {
   if (delta_.sync(step.topology) == TopologyDelta::Extent::everything) return false;
   for (const TopologyChange* change : delta_.changes()) {
     const FeatureChange& features = change->features;
-    remove_tests(tests_.vf, &FeaturePair::a, features.removed_vertices, gone_);
-    remove_tests(tests_.vf, &FeaturePair::b, features.removed_triangles, gone_);
-    remove_tests(tests_.ee, &FeaturePair::a, features.removed_edges, gone_);
-    remove_tests(tests_.ee, &FeaturePair::b, features.removed_edges, gone_);
+    for (TestBatch* const tests : {&tests_, &inner_tests_}) {
+      remove_tests(tests->vf, &FeaturePair::a, features.removed_vertices, gone_);
+      remove_tests(tests->vf, &FeaturePair::b, features.removed_triangles, gone_);
+      remove_tests(tests->ee, &FeaturePair::a, features.removed_edges, gone_);
+      remove_tests(tests->ee, &FeaturePair::b, features.removed_edges, gone_);
+    }
     if (!change->added_elements.empty()) add_changed_vertices(step, *change);
   }
   for (Index v = prediction_.lines().vertex_count(); v < step.motion.vertex_count(); ++v) renewed_.push_back(v);
@@ -124,6 +132,7 @@ bool CandidateList::refresh(const Pipeline& pipeline, const Step& step, Executor
                    .separation = separation(separation_, budget_),
                    .leave_out_shell_neighbours = step.leave_out_shell_neighbours};
   if (!local_.find(pipeline, ahead, renewed_, executor, tests_)) return false;
+  inner_budget_ = -1;  // until the next list
   ++refreshed_;
   return true;
 }

@@ -23,6 +23,8 @@ namespace volccd {
 /// The tests are those that all feature filters of the pipeline keep, but for those that leave tests to others. Removed
 /// features leave the list. Vertices of added features get new lines in P, and their tests are found anew, if they are
 /// few: the list is then *refreshed*.
+///
+/// Within the list is an inner one, for a share of the budget: steps that are so near to P perform its tests only.
 /// Not thread-safe.
 class CandidateList {
  public:
@@ -44,7 +46,8 @@ class CandidateList {
 
   bool empty() const { return !made_; }
   void clear() { made_ = false; }
-  const TestBatch& tests() const { return tests_; }
+  /// Tests that contain all contacts of the step that the list was made for, or covered last.
+  const TestBatch& tests() const { return distance_ <= inner_budget_ ? inner_tests_ : tests_; }
   /// How often the list was refreshed since it was made.
   int refreshed() const { return refreshed_; }
   double budget() const { return budget_; }
@@ -53,7 +56,10 @@ class CandidateList {
   /// The time of the prediction, from 0 to 1, at which that step ended.
   double reached() const { return reached_; }
 
-  std::size_t bytes() const { return heap_bytes(prediction_, delta_, tests_.vf, tests_.ee, gone_, local_, renewed_); }
+  std::size_t bytes() const {
+    return heap_bytes(prediction_, delta_, tests_.vf, tests_.ee, inner_tests_.vf, inner_tests_.ee, gone_, local_,
+                      renewed_);
+  }
 
  private:
   bool follow_edits(const Step& step);
@@ -63,13 +69,13 @@ class CandidateList {
 
   detail::PredictedMotion prediction_;
   TopologyDelta delta_;
-  TestBatch tests_;
+  TestBatch tests_, inner_tests_;
   std::vector<std::uint8_t> gone_;  ///< by slot: scratch memory
   detail::LocalCandidates local_;
   std::vector<Index> renewed_;  ///< vertices whose tests are to be found anew
   bool made_ = false;
   int refreshed_ = 0;
-  double separation_ = 0, budget_ = 0, distance_ = 0, reached_ = 0;
+  double separation_ = 0, budget_ = 0, inner_budget_ = 0, distance_ = 0, reached_ = 0;
 };
 
 }  // namespace volccd

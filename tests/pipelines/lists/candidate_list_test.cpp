@@ -140,6 +140,48 @@ TEST(CandidateList, IsNotForAGreaterSeparation) {
   EXPECT_TRUE(list.empty());
 }
 
+/// Three sheets at rest: two within the separation, and one that approaches them. Steps that are nearer to the
+/// prediction than the budget of the inner list do not test the third one.
+TEST(CandidateList, HasAnInnerListForStepsNearThePrediction) {
+  const double s = 0.25, b = 0.125;
+  Shape shape = block(ElementType::quad, 2, 2, 1), second = shape, third = shape;
+  for (ElementSpec& e : second.elements) e.id += 1000;
+  for (ElementSpec& e : third.elements) e.id += 2000;
+  const std::size_t count = shape.positions.size();
+  shape.append(second.translate(Vec3(0.25, 0.25, -s / 2)), 2);
+  shape.append(third.translate(Vec3(0.125, 0.25, s + b)), 3);
+  const Topology topology(shape.mesh());
+  const auto lowered = [&](double by) {
+    std::vector<Vec3> ends = shape.positions;
+    for (std::size_t v = 2 * count; v < ends.size(); ++v) ends[v].z() -= by;
+    return Motion::linear(shape.positions, ends);
+  };
+  const auto runner = [&](const ListConfig& lists) {
+    return StepRunner(Pipeline(registry(), registry().pipeline("VolCCD+")), {.separation = s, .lists = lists});
+  };
+  StepRunner fresh = runner({}), listed = runner({ListConfig::Use::always, b, 0});
+  // The budget of the inner list is b/8, so that it has what comes within s + b/4. The last step uses up the budget.
+  std::vector<std::size_t> contacts, tests;
+  for (const double by : {0.0, b / 16, b * 0.999, b / 16}) {
+    expect_equal(fresh.run(topology, lowered(by)), listed.run(topology, lowered(by)), std::to_string(by));
+    contacts.push_back(listed.result().contacts.size());
+    tests.push_back(listed.result().statistics.list_tests);
+    EXPECT_EQ(listed.result().statistics.list_steps, tests.size() == 1 ? 1u : 0u);
+  }
+  EXPECT_GT(contacts[0], 0u);
+  EXPECT_EQ(contacts[2], contacts[0]);
+  EXPECT_LT(tests[0], tests[2]);
+  EXPECT_EQ(tests[1], tests[0]);
+  EXPECT_EQ(tests[3], tests[0]);
+  // Both sides approach.
+  std::vector<Vec3> near = shape.positions;
+  for (std::size_t v = 0; v < near.size(); ++v) near[v].z() += (v < 2 * count ? 0.6 : -0.6) * b;
+  const Motion approach = Motion::linear(shape.positions, near);
+  expect_equal(fresh.run(topology, approach), listed.run(topology, approach), "approach");
+  EXPECT_EQ(listed.result().statistics.reused_steps, 1u);
+  EXPECT_GT(listed.result().contacts.size(), contacts[0]);
+}
+
 /// Two sheets that rest at half of the separation, with a list. Edits remove elements of the upper one, whose last
 /// vertices are above the lower one.
 class RestingSheets {
