@@ -71,6 +71,24 @@ TEST(PredictedMotion, DistanceIsAnUpperBound) {
   EXPECT_GT(tight, 500);
 }
 
+/// A motion that rests is at the start of the prediction, and all of its way from the end.
+TEST(PredictedMotion, ControlPointsAreComparedAtTheirTimes) {
+  const Shape shape = block(ElementType::tetrahedron, 2, 2, 2);
+  const Topology topology(shape.mesh());
+  std::vector<Vec3> moved = shape.positions;
+  for (Vec3& p : moved) p.y() += 1;
+  detail::PredictedMotion predicted;
+  ASSERT_TRUE(predicted.set(Motion::linear(shape.positions, moved), 1, topology.features()));
+  const Motion rest = Motion::linear(shape.positions, shape.positions);
+  const auto distance = [&](double begin, double end) {
+    return predicted.distance(rest, topology.features(), {begin, end}, serial_executor());
+  };
+  EXPECT_LT(distance(0, 0), 1e-12);
+  EXPECT_NEAR(distance(0, 1), 1, 1e-12);
+  EXPECT_NEAR(distance(1, 0), 1, 1e-12);
+  EXPECT_NEAR(distance(0.25, 0.5), 0.5, 1e-12);
+}
+
 /// A vertex that no element uses may be anywhere.
 TEST(PredictedMotion, VerticesWithoutElementsDoNotCount) {
   Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
