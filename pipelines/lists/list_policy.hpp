@@ -65,7 +65,7 @@ class ListPolicy {
   static constexpr double kShare = 0.03;     ///< of the time of fresh steps, that lists may cost
   static constexpr double kMaxCredit = 20;   ///< in times of a fresh step
   static constexpr double kFirstCost = 1.5;  ///< of a list, before one was made, in times of a fresh step
-  static constexpr double kFirstReach = 0.125;
+  static constexpr double kFirstReach = 0.25;
   static constexpr double kForgotten = 0.02;  ///< part of what is known about lists, by each fresh step
   static constexpr double kMaxSteps = 64;     ///< of a list, in steps since the prediction that tells about the motion
 
