@@ -2,8 +2,6 @@
 
 #include <Eigen/Geometry>
 
-#include <volccd/numerics/rounding.hpp>
-
 namespace volccd::detail {
 namespace {
 

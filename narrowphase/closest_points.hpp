@@ -5,6 +5,7 @@
 #include <array>
 
 #include <volccd/narrowphase/moving_points.hpp>
+#include <volccd/numerics/rounding.hpp>
 #include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
@@ -23,6 +24,10 @@ inline Vec3 separation_of(FeatureKind kind, const Differences& d, const std::arr
   return kind == FeatureKind::vf ? Vec3(-(weights[1] * d[0] + weights[2] * d[1] + weights[3] * d[2]))
                                  : Vec3(weights[1] * d[0] - (weights[2] * d[1] + weights[3] * d[2]));
 }
+
+/// The distance of closest_points() is that of two points of the features up to an error of this factor times the sum
+/// of the extents, for up to three control points: 12 u per axis, for both features.
+inline constexpr double kDistanceError = 40 * kUnitRoundoff;
 
 /// Pre: sizes are in the range of range_scale(). The distance is minimal up to about 1e-15 times the size, also for
 /// slivers.

@@ -6,7 +6,6 @@
 #define HWY_TARGET_INCLUDE "volccd/narrowphase/detail/close_at_start.cpp"
 #include <hwy/foreach_target.h>
 #include <volccd/narrowphase/detail/close_at_start.hpp>
-#include <volccd/narrowphase/inclusion/detail/inclusion_bounds.hpp>
 #include <volccd/query/block_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();

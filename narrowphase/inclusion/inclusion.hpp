@@ -34,8 +34,9 @@ enum class Undecided {
 /// features overlap in the projection along a fixed direction. Otherwise the interval is split. With a separation, the
 /// axis turns with the direction between the closest points, and two points within the separation are a contact. A sign
 /// is used only if the magnitude exceeds its rounding bound (docs/numerics.md). Vector kernels decide most tests before
-/// this search. With a separation or three control points, they only drop tests that the search would drop as well;
-/// with a small `max_intervals`, also tests that it would give up and report.
+/// this search. With a separation or three control points, they only drop tests that the search would drop as well
+/// (with a small `max_intervals`, also tests that it would give up and report), and, with a separation, find the
+/// contacts at t = 0 that it would find.
 ///
 /// Two or three control points, any separation. Allocates memory for contacts only (and in `exact`). See also Snyder et
 /// al. 1993 and Wang et al. 2021 for inclusion-based tests, Tang et al. 2010 and 2014 for Bernstein signs.

@@ -20,10 +20,6 @@ constexpr double value_error_factor(int degree) { return 8 * degree * kUnitRound
 /// Factor for the contribution of the errors of the coefficients to a value; without rounding, their weights sum to 1.
 inline constexpr double kCubicErrorSlack = 2;
 
-/// The distance of closest_points() is that of two points of the features up to an error of this factor times the sum
-/// of the extents, for up to three control points: 12 u per axis, for both features.
-inline constexpr double kDistanceError = 40 * kUnitRoundoff;
-
 /// Bernstein coefficients of degree 4 of the gap along an axis that turns (a curve of second degree), each times its
 /// binomial, over an interval of the step that was computed with n levels of de Casteljau's algorithm. The error is
 /// less than binomial * (factor * S + kGapUnderflow), S from the extents and the greatest magnitudes of the curve's

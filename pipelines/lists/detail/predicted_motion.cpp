@@ -5,7 +5,7 @@
 #include <limits>
 
 #include <volccd/numerics/rounding.hpp>
-#include <volccd/pipelines/lists/detail/line_distance.hpp>
+#include <volccd/query/line_distance.hpp>
 
 namespace volccd::detail {
 

@@ -1,7 +1,7 @@
-#include <volccd/pipelines/lists/detail/line_distance.hpp>
+#include <volccd/query/line_distance.hpp>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "volccd/pipelines/lists/detail/line_distance.cpp"
+#define HWY_TARGET_INCLUDE "volccd/query/line_distance.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
