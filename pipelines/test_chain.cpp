@@ -37,12 +37,47 @@ void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
     tests = {tests.begin(), std::remove_if(tests.begin(), tests.end(), excluded)};
   }
   StageTimer timer(clock_, statistics_[0].seconds);
-  if (stages_->selects && !stages_->filters.empty()) tests = select(kind, tests);
+  if (!stages_->given && !stages_->filters.empty()) tests = select(kind, tests);
+  const bool starts = finds_at_start();
   while (!tests.empty()) {
     const std::size_t taken = std::min(tests.size(), TestBlock::kCapacity);
-    blocks(kind)[0].gather(*step_, kind, tests.first(taken));
-    run(kind, 0);
+    TestBlock& block = starts ? given_ : blocks(kind)[0];
+    block.gather(*step_, kind, tests.first(taken));
+    starts ? find_at_start() : run(kind, 0);
     tests = tests.subspan(taken);
+  }
+}
+
+/// Without filters, the narrow phase sees all tests anyway.
+bool TestChain::finds_at_start() const {
+  return stages_->given && !stages_->collect && !stages_->filters.empty() && step_->separation > 0 &&
+         step_->piece.region.is_all();
+}
+
+/// Finds contacts at the start among the tests in given_, and passes the others on to the filters.
+void TestChain::find_at_start() {
+  const FeatureKind kind = given_.kind();
+  std::array<std::uint8_t, TestBlock::kCapacity> keep, found{};
+  keep.fill(1);
+  const std::size_t before = contacts_.size(), narrow = stages_->filters.size();
+  {
+    const StageTimer timer(clock_, statistics_[narrow].seconds);
+    stages_->narrow_phase.find_at_start(*step_, given_, contacts_, keep);
+    name_features(given_, before, found);
+    const auto unasked = [&](const Contact& c) { return !step_->asks_for(kind, c.features); };
+    if (!drops_first() && !step_->asks_for_all())
+      contacts_.erase(std::remove_if(contacts_.begin() + static_cast<std::ptrdiff_t>(before), contacts_.end(), unasked),
+                      contacts_.end());
+  }
+  const std::size_t count = contacts_.size() - before;
+  tests_[static_cast<std::size_t>(kind)] += count;
+  statistics_[narrow].in += count;
+  statistics_[narrow].out += count;
+  observe_found(before);
+  TestBlock& next = blocks(kind)[0];
+  for (std::size_t begin = 0; begin < given_.size();) {
+    begin = next.append_kept(given_, keep, begin);
+    if (next.full()) run(kind, 0);
   }
 }
 
@@ -64,7 +99,7 @@ std::span<FeaturePair> TestChain::select(FeatureKind kind, std::span<FeaturePair
 
 void TestChain::finish() {
   for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee})
-    for (std::size_t stage = 1; stage < blocks(kind).size(); ++stage)
+    for (std::size_t stage = 0; stage < blocks(kind).size(); ++stage)
       if (!blocks(kind)[stage].empty()) run(kind, stage);
 }
 
@@ -112,17 +147,23 @@ void TestChain::run_narrow_phase(const TestBlock& block) {
   const std::size_t stage = stages_->filters.size();
   stages_->narrow_phase.run(*step_, *stages_->states[stage], worker_, block, contacts_, counters_);
   statistics_[stage].out += contacts_.size() - before;
-  std::array<std::uint8_t, TestBlock::kCapacity> keep{};
-  std::size_t test = 0;  // contacts are in the order of the block
-  for (Contact& contact : std::span(contacts_).subspan(before)) {
+  std::array<std::uint8_t, TestBlock::kCapacity> found{};
+  name_features(block, before, found);
+  if (stages_->filters.empty()) drop_shell_neighbours(before);
+  observe(stage, block, found);
+}
+
+/// Sets the features of the contacts from `first` on, which are in the order of the block, and found[i] for their
+/// tests.
+void TestChain::name_features(const TestBlock& block, std::size_t first, std::span<std::uint8_t> found) {
+  std::size_t test = 0;
+  for (Contact& contact : std::span(contacts_).subspan(first)) {
     while (test < block.size() && block.vertices(test) != contact.vertices) ++test;
     if (test == block.size())
       throw std::logic_error("the contacts of a narrow phase are not those of its block, or not in its order");
     contact.features = block.pair(test);
-    keep[test++] = 1;
+    found[test++] = 1;
   }
-  if (stages_->filters.empty()) drop_shell_neighbours(before);
-  observe(stage, block, keep);
 }
 
 /// Removes contacts that are not asked for, from `first` on: without filters, to look up all tests would take as long
@@ -140,6 +181,18 @@ void TestChain::observe(std::size_t stage, const TestBlock& block, std::span<con
   const StageTimer none(clock_);
   stages_->observer->observe(stages_->first_stage + stage, worker_, *step_, block.kind(), block.pairs(),
                              keep.first(block.size()));
+}
+
+/// Tells of the tests whose contacts, from `first` on, were found before the filters.
+void TestChain::observe_found(std::size_t first) {
+  if (!stages_->observer || first == contacts_.size()) return;
+  const StageTimer none(clock_);
+  const std::span<const Contact> contacts = std::span(contacts_).subspan(first);
+  observed_.clear();
+  for (const Contact& contact : contacts) observed_.push_back(contact.features);
+  observed_keep_.assign(contacts.size(), 1);
+  stages_->observer->observe(stages_->first_stage + stages_->filters.size(), worker_, *step_, contacts[0].kind,
+                             observed_, observed_keep_);
 }
 
 /// Tells of the tests in observed_ that are not in `kept`.

@@ -26,7 +26,7 @@ struct TestStages {
   std::span<const std::unique_ptr<StageState>> states;
   StageObserver* observer = nullptr;  ///< may be null
   std::size_t first_stage = 0;        ///< index of the first of these stages for the observer
-  bool selects = true;                ///< FeatureFilter::select() is called on the first filter
+  bool given = false;                 ///< the tests are those of a list: many are contacts that last
   bool collect = false;               ///< tests that the filters keep are collected in place of being performed
 };
 
@@ -36,8 +36,11 @@ struct TestStages {
 ///
 /// Tests that the step does not ask for (Step::asks_for) are dropped: before the feature filters if the object filter
 /// restricts the scope of pairs (inter or intra), otherwise after them. Without filters, the contacts of shell
-/// neighbours are dropped in place of their tests. Reused from step to step; in steady state, it allocates memory for
-/// contacts only. Not thread-safe.
+/// neighbours are dropped in place of their tests.
+///
+/// Tests of a list do not pass through FeatureFilter::select(). With a separation, the narrow phase looks for contacts
+/// that last (find_at_start) before the filters, unless one of these may leave tests to other ranks. Reused from step
+/// to step; in steady state, it allocates memory for contacts only. Not thread-safe.
 class TestChain {
  public:
   /// Begins a step and removes all tests and contacts. Results are added to `statistics`, which has as many entries as
@@ -70,6 +73,9 @@ class TestChain {
 
   Blocks& blocks(FeatureKind kind) { return blocks_[static_cast<std::size_t>(kind)]; }
   bool drops_first() const;
+  bool finds_at_start() const;
+  void find_at_start();
+  void name_features(const TestBlock& block, std::size_t first, std::span<std::uint8_t> found);
   std::span<FeaturePair> select(FeatureKind kind, std::span<FeaturePair> tests);
   void run(FeatureKind kind, std::size_t stage);
   void run_filter(FeatureKind kind, std::size_t stage);
@@ -77,6 +83,7 @@ class TestChain {
   void run_narrow_phase(const TestBlock& block);
   void drop_shell_neighbours(std::size_t first);
   void observe(std::size_t stage, const TestBlock& block, std::span<const std::uint8_t> keep);
+  void observe_found(std::size_t first);
   void observe_dropped(FeatureKind kind, std::span<const FeaturePair> kept);
 
   const Step* step_ = nullptr;
@@ -85,6 +92,7 @@ class TestChain {
   unsigned worker_ = 0;
   double t_max_ = 1;
   std::array<Blocks, 2> blocks_;
+  TestBlock given_;  ///< for find_at_start()
   TestBatch collected_;
   std::vector<Contact> contacts_;
   NarrowCounters counters_;

@@ -28,6 +28,19 @@ const Options<Inclusion::Config>& Inclusion::options() {
   return table;
 }
 
+namespace {
+
+/// Pre: close.contains(i).
+Contact contact_at_start(const Step& step, const TestBlock& block, const CloseAtStart& close, std::size_t i) {
+  const std::array<Index, 4>& vertices = block.vertices(i);
+  Contact contact = contact_near(block.kind(), vertices, test_points(step.motion, vertices),
+                                 step.motion.control_points(), 0, close.closest(i));
+  contact.at_start = true;
+  return contact;
+}
+
+}  // namespace
+
 void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<Index, 4>& vertices,
                          std::vector<Contact>& contacts, NarrowCounters& counters) const {
   const TestPoints x = test_points(step.motion, vertices);
@@ -66,14 +79,10 @@ void Inclusion::run(const Step& step, StageState&, unsigned, const TestBlock& bl
     if (step.separation > 0) close.find(block, step.separation, keep);
     for (std::size_t i = 0; i < block.size(); ++i) {
       if (keep[i] == 0) continue;
-      const std::array<Index, 4>& vertices = block.vertices(i);
-      if (step.separation == 0 || !close.contains(i)) {
-        test_one(step, kind, vertices, contacts, counters);
-        continue;
-      }
-      contacts.push_back(contact_near(kind, vertices, test_points(step.motion, vertices), step.motion.control_points(),
-                                      0, close.closest(i)));
-      contacts.back().at_start = true;
+      if (step.separation > 0 && close.contains(i))
+        contacts.push_back(contact_at_start(step, block, close, i));
+      else
+        test_one(step, kind, block.vertices(i), contacts, counters);
     }
     return;
   }
@@ -90,6 +99,18 @@ void Inclusion::run(const Step& step, StageState&, unsigned, const TestBlock& bl
     else if (crossings.toi(i) <= step.t_max)
       contacts.push_back(
           contact_at(kind, vertices, test_points(step.motion, vertices), 2, crossings.toi(i), crossings.side(i)));
+  }
+}
+
+void Inclusion::find_at_start(const Step& step, const TestBlock& block, std::vector<Contact>& contacts,
+                              std::span<std::uint8_t> keep) const {
+  if (step.separation == 0) return;
+  CloseAtStart close;
+  close.find(block, step.separation, keep);
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    if (keep[i] == 0 || !close.contains(i)) continue;
+    contacts.push_back(contact_at_start(step, block, close, i));
+    keep[i] = 0;
   }
 }
 

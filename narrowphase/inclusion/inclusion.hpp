@@ -67,6 +67,10 @@ class Inclusion final : public NarrowPhase {
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
            NarrowCounters& counters) const override;
 
+  /// With a separation: those of which doubles prove it.
+  void find_at_start(const Step& step, const TestBlock& block, std::vector<Contact>& contacts,
+                     std::span<std::uint8_t> keep) const override;
+
  private:
   void test_one(const Step& step, FeatureKind kind, const std::array<Index, 4>& vertices,
                 std::vector<Contact>& contacts, NarrowCounters& counters) const;

@@ -27,7 +27,7 @@ class Pipeline::Run {
                      .states = std::span(data.states).subspan(first_filter()),
                      .observer = request.observer,
                      .first_stage = first_filter(),
-                     .selects = !request.tests,
+                     .given = request.tests != nullptr,
                      .collect = request.candidates != nullptr},
         earliest_(request.query, step.t_max, pipeline.narrow_phase_->time_tolerance()) {
     step_.range = pipeline.range_;
@@ -233,7 +233,7 @@ class Pipeline::Run {
     StageClock clock;
     const StageTimer timer(clock, statistics(0, stage).prepare_seconds);
     pipeline_.stages_[stage]->prepare(step, state(stage), executor_);
-    if (stage == first_filter() && test_stages_.selects && !pipeline_.feature_filters_.empty())
+    if (stage == first_filter() && !test_stages_.given && !pipeline_.feature_filters_.empty())
       pipeline_.feature_filters_[0]->prepare_select(step, state(stage), executor_);
   }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <volccd/query/contact.hpp>
@@ -36,6 +37,15 @@ class NarrowPhase : public Stage {
   /// features touch at t = 0 has toi 0. Pre: the block is not empty.
   virtual void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
                    std::vector<Contact>& contacts, NarrowCounters& counters) const = 0;
+
+  /// Finds, at little cost, contacts that last from the step before: for the tests of a candidate list, of which most
+  /// are such contacts, before any filter has seen them. Appends, in the order of the block, some of the contacts with
+  /// Contact::at_start that run() would append, and sets keep[i] to 0 for their tests. keep.size() >=
+  /// block.padded_size().
+  virtual void find_at_start(const Step& step, const TestBlock& block, std::vector<Contact>& contacts,
+                             std::span<std::uint8_t> keep) const {
+    (void)step, (void)block, (void)contacts, (void)keep;
+  }
 };
 
 }  // namespace volccd

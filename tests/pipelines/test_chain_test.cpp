@@ -68,7 +68,22 @@ class ReportAll final : public NarrowPhase {
     }
   }
 
+  /// Finds the contacts of some tests at the start.
+  static bool lasts(FeaturePair pair) { return (pair.a + pair.b) % 3 == 0; }
+  void find_at_start(const Step&, const TestBlock& block, std::vector<Contact>& contacts,
+                     std::span<std::uint8_t> keep) const override {
+    ++searches;
+    EXPECT_GE(keep.size(), block.padded_size());
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      EXPECT_EQ(keep[i], 1);
+      if (!lasts(block.pair(i))) continue;
+      contacts.push_back({block.kind(), block.vertices(i), 0, Vec3::Zero(), {}, Vec3::Zero(), false});
+      keep[i] = 0;
+    }
+  }
+
   mutable std::vector<std::size_t> sizes;
+  mutable int searches = 0;
 };
 
 struct Bench {
@@ -84,7 +99,8 @@ struct Bench {
 
   /// The tests are added in parts of random lengths.
   void run(const Step& step, const std::vector<FeaturePair>& vf, const std::vector<FeaturePair>& ee, Random& random) {
-    const TestStages stages{filters, narrow, states};
+    TestStages stages{filters, narrow, states};
+    stages.given = given;
     chain.start(step, stages, statistics, 3);
     chain.prune(0.5);
     std::array<std::size_t, 2> next{};
@@ -109,8 +125,52 @@ struct Bench {
   ReportAll narrow;
   std::vector<std::unique_ptr<StageState>> states;
   std::vector<StageStatistics> statistics;
+  bool given = false;
   TestChain chain;
 };
+
+/// Tests of a list with a separation. A filter of a region may leave tests to other ranks.
+TEST(TestChain, FindsContactsThatLastBeforeTheFilters) {
+  const test::Scene scene = test::colliding("tetrahedra", block(ElementType::tetrahedron, 2, 1, 1), 3, 0.1);
+  const Features& features = scene.topology.features();
+  const auto vf = test::all_tests(features, FeatureKind::vf), ee = test::all_tests(features, FeatureKind::ee);
+  Random random(17);
+  const auto run = [&](Bench& bench, const ObjectFilter& filter, double separation, const Region& region = {}) {
+    Step step{scene.topology, scene.motion, filter, separation, 0.75};
+    step.piece.region = region;
+    bench.given = true;
+    bench.run(step, vf, ee, random);
+    std::array<std::vector<FeaturePair>, 2> found, expected;
+    const bool searches = separation > 0 && region.is_all();
+    for (const Contact& contact : bench.chain.contacts())
+      found[static_cast<std::size_t>(contact.kind)].push_back(contact.features);
+    for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee})
+      for (const FeaturePair pair : kind == FeatureKind::vf ? vf : ee)
+        if (step.asks_for(kind, pair) && ((searches && ReportAll::lasts(pair)) || bench.sieves[0]->keeps(pair)))
+          expected[static_cast<std::size_t>(kind)].push_back(pair);
+    for (std::size_t kind = 0; kind < 2; ++kind) {
+      std::ranges::sort(found[kind]);
+      std::ranges::sort(expected[kind]);
+      EXPECT_EQ(found[kind], expected[kind]);
+      EXPECT_EQ(bench.chain.tests(static_cast<FeatureKind>(kind)), expected[kind].size());
+    }
+    EXPECT_EQ(bench.narrow.searches > 0, searches);
+    EXPECT_EQ(bench.statistics[1].in, bench.statistics[1].out);
+    const std::vector<std::size_t>& sizes = bench.sieves[0]->sizes;
+    const std::size_t full = static_cast<std::size_t>(std::ranges::count(sizes, TestBlock::kCapacity));
+    // Blocks of the filter are full, but for the last of each kind.
+    EXPECT_GE(full + (searches ? 2 : sizes.size()), sizes.size());
+  };
+  const ObjectFilter everything, inter(PairScope::inter);
+  ObjectFilter some;
+  some.exclude(1, 2);
+  for (const ObjectFilter* filter : {&everything, &inter, static_cast<const ObjectFilter*>(&some)}) {
+    Bench with({5}), without({5}), in_region({5});
+    run(with, *filter, 0.1);
+    run(without, *filter, 0);
+    run(in_region, *filter, 0.1, {.low = Vec3(0.5, 0.5, 0.5)});
+  }
+}
 
 TEST(TestChain, KeepsWhatAllFiltersKeepWhicheverWayTestsCome) {
   const test::Scene scene = test::colliding("tetrahedra", block(ElementType::tetrahedron, 2, 1, 1), 3, 0.1);
