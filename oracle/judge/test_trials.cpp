@@ -183,6 +183,7 @@ class NarrowStage final : public BlockStage {
       well_formed_ = well_formed_ && answers[i].contact.kind == block.kind();
     }
     well_formed_ = well_formed_ && next == contacts.size();
+    expect_starts(step, block, answers);
     return answers;
   }
   void run_quietly(const Step& step, StageState& state, const TestBlock& block) override {
@@ -211,6 +212,24 @@ class NarrowStage final : public BlockStage {
   bool is_unique() const override { return true; }
 
  private:
+  void expect_starts(const Step& step, const TestBlock& block, const std::vector<Answer>& answers) {
+    std::vector<Contact> contacts;
+    std::vector<std::uint8_t> keep(block.padded_size(), 1);
+    narrow_.find_at_start(step, block, contacts, keep);
+    std::size_t next = 0;
+    bool right = true;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      if (keep[i] != 0) continue;
+      right = right && next < contacts.size() && contacts[next].at_start && answers[i].found &&
+              answers[i].contact == contacts[next];
+      ++next;
+    }
+    trials_.expect(kStarts, right && next == contacts.size(), [&] {
+      return fmt::format("find_at_start() of {} tests appends {} contacts and takes {} tests out\n", block.size(),
+                         contacts.size(), next);
+    });
+  }
+
   template <class Text>
   void judge_touch(const Case& c, double t_max, const Answer& answer, const Text& text) {
     const bool required = trials_.conservative();

@@ -21,6 +21,7 @@ inline constexpr const char* kNear = "the features of a decided contact are near
 inline constexpr const char* kEarlierEnd = "with an earlier end of the step, the contacts before it are the same";
 inline constexpr const char* kSameOnEverySet = "the answer does not depend on the instruction set";
 inline constexpr const char* kWellFormed = "contacts are well formed, in the order of the tests";
+inline constexpr const char* kStarts = "find_at_start() finds contacts of run() that begin at t = 0";
 inline constexpr const char* kSelects = "select() takes tests out, and leaves the others in their order";
 inline constexpr const char* kSameInEveryBatch = "the answer does not depend on the batch or the worker";
 inline constexpr const char* kSameAfterOtherSteps = "the answer does not depend on earlier steps";

@@ -207,6 +207,35 @@ TEST(StageCheck, FindsAFilterWhoseSelectLosesOrMovesTests) {
   }
 }
 
+/// Finds a contact for each test at the start.
+class EarlyPhase final : public NarrowPhase {
+ public:
+  bool handles_separation() const override { return true; }
+  void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
+           NarrowCounters& counters) const override {
+    inclusion_.run(step, state, worker, block, contacts, counters);
+  }
+  void find_at_start(const Step&, const TestBlock& block, std::vector<Contact>& contacts,
+                     std::span<std::uint8_t> keep) const override {
+    contacts.push_back({block.kind(), block.vertices(0), 0, Vec3::Zero(), {}, Vec3::Zero(), true});
+    keep[0] = 0;
+  }
+
+ private:
+  Inclusion inclusion_;
+};
+
+TEST(StageCheck, FindsANarrowPhaseWhoseContactsAtTheStartAreNotItsOwn) {
+  Registry registry = test::all_stages();
+  StageDescriptor<NarrowPhase> descriptor;
+  descriptor.name = "early";
+  descriptor.guarantee = Guarantee::conservative;
+  descriptor.make = [](const OptionValues&) { return std::make_unique<EarlyPhase>(); };
+  registry.add(descriptor);
+  const StageReport report = check_stage(registry, "early", quick(100));
+  EXPECT_TRUE(broken(report, "find_at_start() finds contacts of run() that begin at t = 0")) << text_of(report);
+}
+
 TEST(StageCheck, FindsAFilterThatAllocates) {
   const auto report = check<FeatureFilter>([](const Step&, unsigned, const TestBlock& block, std::span<std::uint8_t>) {
     std::vector<double> sums(block.size());
