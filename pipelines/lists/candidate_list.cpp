@@ -14,8 +14,6 @@ namespace {
 
 /// A list is refreshed for at most this many vertices.
 constexpr std::size_t kMaxRenewed = 64;
-/// The budget of the inner list, in budgets.
-constexpr double kInnerShare = 0.125;
 
 /// Removes the tests whose first feature, or second one, is in a list.
 void remove_tests(std::vector<FeaturePair>& tests, Index FeaturePair::*which, std::span<const Index> features,
@@ -48,11 +46,12 @@ bool CandidateList::build(const Pipeline& pipeline, const Step& step, Workspace&
              .leave_out_shell_neighbours = step.leave_out_shell_neighbours,
              .piece = {.complete = step.piece.complete, .cut_stars = step.piece.cut_stars}};
   StepResult result;
-  pipeline.run(ahead, workspace, executor, result, {.count_adjacent = false, .candidates = &tests_});
-  inner_budget_ = kInnerShare * budget;
-  ahead.separation = separation(step.separation, inner_budget_);
-  pipeline.run(ahead, workspace, executor, result,
-               {.count_adjacent = false, .tests = &tests_, .candidates = &inner_tests_});
+  pipeline.run(ahead, workspace, executor, result, {.count_adjacent = false, .candidates = &tests_[0]});
+  for (lists_ = 1; lists_ < kLists; ++lists_) {
+    ahead.separation = separation(step.separation, budget_of(lists_));
+    pipeline.run(ahead, workspace, executor, result,
+                 {.count_adjacent = false, .tests = &tests_[lists_ - 1], .candidates = &tests_[lists_]});
+  }
   refreshed_ = 0;
   made_ = true;
   return true;
@@ -78,11 +77,11 @@ bool CandidateList::follow_edits(const Step& step) {
   if (delta_.sync(step.topology) == TopologyDelta::Extent::everything) return false;
   for (const TopologyChange* change : delta_.changes()) {
     const FeatureChange& features = change->features;
-    for (TestBatch* const tests : {&tests_, &inner_tests_}) {
-      remove_tests(tests->vf, &FeaturePair::a, features.removed_vertices, gone_);
-      remove_tests(tests->vf, &FeaturePair::b, features.removed_triangles, gone_);
-      remove_tests(tests->ee, &FeaturePair::a, features.removed_edges, gone_);
-      remove_tests(tests->ee, &FeaturePair::b, features.removed_edges, gone_);
+    for (TestBatch& tests : std::span(tests_).first(lists_)) {
+      remove_tests(tests.vf, &FeaturePair::a, features.removed_vertices, gone_);
+      remove_tests(tests.vf, &FeaturePair::b, features.removed_triangles, gone_);
+      remove_tests(tests.ee, &FeaturePair::a, features.removed_edges, gone_);
+      remove_tests(tests.ee, &FeaturePair::b, features.removed_edges, gone_);
     }
     if (!change->added_elements.empty()) add_changed_vertices(step, *change);
   }
@@ -124,15 +123,15 @@ bool CandidateList::refresh(const Pipeline& pipeline, const Step& step, Executor
       return std::ranges::any_of(test_vertices(step.features(), kind, pair), [&](Index v) { return gone_[v] != 0; });
     });
   };
-  remove(FeatureKind::vf, tests_.vf);
-  remove(FeatureKind::ee, tests_.ee);
+  lists_ = 1;  // until the next list
+  remove(FeatureKind::vf, tests_[0].vf);
+  remove(FeatureKind::ee, tests_[0].ee);
   const Step ahead{.topology = step.topology,
                    .motion = prediction_.lines(),
                    .filter = step.filter,
                    .separation = separation(separation_, budget_),
                    .leave_out_shell_neighbours = step.leave_out_shell_neighbours};
-  if (!local_.find(pipeline, ahead, renewed_, executor, tests_)) return false;
-  inner_budget_ = -1;  // until the next list
+  if (!local_.find(pipeline, ahead, renewed_, executor, tests_[0])) return false;
   ++refreshed_;
   return true;
 }

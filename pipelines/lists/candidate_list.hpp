@@ -1,6 +1,8 @@
 // A list of tests that contains all contacts of the motions near a predicted one.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -24,7 +26,8 @@ namespace volccd {
 /// features leave the list. Vertices of added features get new lines in P, and their tests are found anew, if they are
 /// few: the list is then *refreshed*.
 ///
-/// Within the list is an inner one, for a share of the budget: steps that are so near to P perform its tests only.
+/// Within the list are inner ones, each for an eighth of the budget of the one around it: steps that are so near to P
+/// perform their tests only.
 /// Not thread-safe.
 class CandidateList {
  public:
@@ -47,7 +50,11 @@ class CandidateList {
   bool empty() const { return !made_; }
   void clear() { made_ = false; }
   /// Tests that contain all contacts of the step that the list was made for, or covered last.
-  const TestBatch& tests() const { return distance_ <= inner_budget_ ? inner_tests_ : tests_; }
+  const TestBatch& tests() const {
+    std::size_t i = 0;
+    while (i + 1 < lists_ && distance_ <= budget_of(i + 1)) ++i;
+    return tests_[i];
+  }
   /// How often the list was refreshed since it was made.
   int refreshed() const { return refreshed_; }
   double budget() const { return budget_; }
@@ -57,11 +64,15 @@ class CandidateList {
   double reached() const { return reached_; }
 
   std::size_t bytes() const {
-    return heap_bytes(prediction_, delta_, tests_.vf, tests_.ee, inner_tests_.vf, inner_tests_.ee, gone_, local_,
-                      renewed_);
+    std::size_t sum = heap_bytes(prediction_, delta_, gone_, local_, renewed_);
+    for (const TestBatch& tests : tests_) sum += heap_bytes(tests.vf, tests.ee);
+    return sum;
   }
 
  private:
+  static constexpr std::size_t kLists = 3;
+
+  double budget_of(std::size_t list) const { return std::ldexp(budget_, -3 * static_cast<int>(list)); }
   bool follow_edits(const Step& step);
   void add_changed_vertices(const Step& step, const TopologyChange& change);
   bool is_near(const Step& step, Executor& executor);
@@ -69,13 +80,14 @@ class CandidateList {
 
   detail::PredictedMotion prediction_;
   TopologyDelta delta_;
-  TestBatch tests_, inner_tests_;
-  std::vector<std::uint8_t> gone_;  ///< by slot: scratch memory
+  std::array<TestBatch, kLists> tests_;  ///< of the list, then of inner ones
+  std::size_t lists_ = 0;                ///< how many of them there are
+  std::vector<std::uint8_t> gone_;       ///< by slot: scratch memory
   detail::LocalCandidates local_;
   std::vector<Index> renewed_;  ///< vertices whose tests are to be found anew
   bool made_ = false;
   int refreshed_ = 0;
-  double separation_ = 0, budget_ = 0, inner_budget_ = 0, distance_ = 0, reached_ = 0;
+  double separation_ = 0, budget_ = 0, distance_ = 0, reached_ = 0;
 };
 
 }  // namespace volccd
