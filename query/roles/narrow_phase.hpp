@@ -40,8 +40,8 @@ class NarrowPhase : public Stage {
 
   /// Finds, at little cost, contacts that last from the step before: for the tests of a candidate list, of which most
   /// are such contacts, before any filter has seen them. Appends, in the order of the block, some of the contacts with
-  /// Contact::at_start that run() would append, and sets keep[i] to 0 for their tests. keep.size() >=
-  /// block.padded_size().
+  /// Contact::at_start that run() would append, and sets keep[i] to 0 for their tests; looks only at tests with keep[i]
+  /// != 0. O(block), no allocation but for contacts. Pre: keep.size() >= block.padded_size().
   virtual void find_at_start(const Step& step, const TestBlock& block, std::vector<Contact>& contacts,
                              std::span<std::uint8_t> keep) const {
     (void)step, (void)block, (void)contacts, (void)keep;
