@@ -47,8 +47,8 @@ struct Request {
   /// Fill StepResult::ends.
   bool ends = false;
   /// The tests to perform, in place of those that the stages find: a list that contains all that can be in contact
-  /// (CandidateList). Only the feature filters and the narrow phase run, the latter first for what it finds at the start
-  /// (NarrowPhase::find_at_start), filtered or not; there are no initial overlaps.
+  /// (CandidateList). Only the feature filters and the narrow phase run, the latter first for what it finds at the
+  /// start (NarrowPhase::find_at_start), filtered or not; there are no initial overlaps.
   const TestBatch* tests = nullptr;
   /// Receives the tests that the feature filters keep, but for those that leave tests to others, ascending, each once,
   /// in place of being performed by the narrow phase; the step has no contacts then.

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <initializer_list>
 #include <limits>
+#include <utility>
 
 #include <volccd/core/error.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
@@ -64,6 +66,26 @@ TEST(Mesh, TakesEmptySlotsAgain) {
   }
   EXPECT_EQ(mesh.element_slots(), slots);
   EXPECT_LT(mesh.bytes(), 2 * bytes);
+}
+
+TEST(Mesh, KnowsWhetherIdsAscend) {
+  const auto triangle = [](std::int64_t id) { return spec(ElementType::triangle, {0, 1, 2}, id); };
+  const auto with = [&](std::initializer_list<std::int64_t> ids) {
+    Mesh mesh = with_vertices(3);
+    for (const std::int64_t id : ids) mesh.add_element(triangle(id));
+    return mesh;
+  };
+  EXPECT_TRUE(with({}).element_ids_ascend());
+  EXPECT_TRUE(with({2, 5, 9}).element_ids_ascend());
+  EXPECT_FALSE(with({2, 9, 5}).element_ids_ascend());
+  // In an empty slot: between its neighbours, before the one and after the other.
+  for (const auto& [id, ascend] : {std::pair{6, true}, std::pair{1, false}, std::pair{10, false}}) {
+    Mesh mesh = with({2, 5, 9});
+    mesh.remove_element(1);
+    EXPECT_TRUE(mesh.element_ids_ascend());
+    mesh.add_element(triangle(id));
+    EXPECT_EQ(mesh.element_ids_ascend(), ascend) << id;
+  }
 }
 
 TEST(Mesh, RefusesBadVertexIds) {

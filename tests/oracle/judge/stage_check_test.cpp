@@ -62,18 +62,24 @@ std::string text_of(const StageReport& report) {
   return text;
 }
 
-/// Checks a stage made of `run`.
-template <class Interface, class Run>
-StageReport check(Run run, Guarantee guarantee = Guarantee::conservative, int trials = 500, bool pipelines = false) {
+/// Checks the stage that `make` makes.
+template <class Interface, class Make>
+StageReport check_made(Make make, const StageCheckConfig& config, Guarantee guarantee = Guarantee::conservative) {
   Registry registry = test::all_stages();
   StageDescriptor<Interface> descriptor;
   descriptor.name = "made";
   descriptor.guarantee = guarantee;
-  descriptor.make = [run](const OptionValues&) { return std::make_unique<test::Made<Interface, Run>>(run); };
+  descriptor.make = [make](const OptionValues&) { return make(); };
   registry.add(descriptor);
+  return check_stage(registry, "made", config);
+}
+
+/// Checks a stage made of `run`.
+template <class Interface, class Run>
+StageReport check(Run run, Guarantee guarantee = Guarantee::conservative, int trials = 500, bool pipelines = false) {
   StageCheckConfig config = quick(trials);
   config.pipelines = pipelines;
-  return check_stage(registry, "made", config);
+  return check_made<Interface>([run] { return std::make_unique<test::Made<Interface, Run>>(run); }, config, guarantee);
 }
 
 bool broken(const StageReport& report, const std::string& promise) {
@@ -195,19 +201,14 @@ class Selects final : public FeatureFilter {
 
 TEST(StageCheck, FindsAFilterWhoseSelectLosesOrMovesTests) {
   for (const bool reverses : {true, false}) {
-    Registry registry = test::all_stages();
-    StageDescriptor<FeatureFilter> descriptor;
-    descriptor.name = "selects";
-    descriptor.guarantee = Guarantee::conservative;
-    descriptor.make = [reverses](const OptionValues&) { return std::make_unique<Selects>(reverses); };
-    registry.add(descriptor);
-    const StageReport report = check_stage(registry, "selects", quick(500));
+    const StageReport report =
+        check_made<FeatureFilter>([reverses] { return std::make_unique<Selects>(reverses); }, quick(500));
     EXPECT_TRUE(broken(report, reverses ? "select() takes tests out, and leaves the others in their order" : kLoses))
         << text_of(report);
   }
 }
 
-/// Finds a contact for each test at the start.
+/// Finds a contact for the first test at the start, whatever it is.
 class EarlyPhase final : public NarrowPhase {
  public:
   bool handles_separation() const override { return true; }
@@ -226,13 +227,7 @@ class EarlyPhase final : public NarrowPhase {
 };
 
 TEST(StageCheck, FindsANarrowPhaseWhoseContactsAtTheStartAreNotItsOwn) {
-  Registry registry = test::all_stages();
-  StageDescriptor<NarrowPhase> descriptor;
-  descriptor.name = "early";
-  descriptor.guarantee = Guarantee::conservative;
-  descriptor.make = [](const OptionValues&) { return std::make_unique<EarlyPhase>(); };
-  registry.add(descriptor);
-  const StageReport report = check_stage(registry, "early", quick(100));
+  const StageReport report = check_made<NarrowPhase>([] { return std::make_unique<EarlyPhase>(); }, quick(100));
   EXPECT_TRUE(broken(report, "find_at_start() finds contacts of run() that begin at t = 0")) << text_of(report);
 }
 
@@ -419,15 +414,10 @@ class StaleCulling final : public ElementCulling {
 };
 
 TEST(StageCheck, FindsAStateThatIsNotUpdatedForTheStep) {
-  Registry registry = test::all_stages();
-  StageDescriptor<ElementCulling> descriptor;
-  descriptor.name = "stale";
-  descriptor.guarantee = Guarantee::conservative;
-  descriptor.make = [](const OptionValues&) { return std::make_unique<StaleCulling>(); };
-  registry.add(descriptor);
   StageCheckConfig config = quick(200);
   config.pipelines = false;
-  EXPECT_TRUE(broken(check_stage(registry, "stale", config), kLoses));
+  const auto make = [] { return std::make_unique<StaleCulling>(); };
+  EXPECT_TRUE(broken(check_made<ElementCulling>(make, config), kLoses));
 }
 
 // --- broad phases
