@@ -58,18 +58,12 @@ std::pair<int, int> rounds_of_process(const ExperimentPlan& plan, const SceneRun
   return {rounds * process / plan.processes, rounds * (process + 1) / plan.processes};
 }
 
-std::size_t measured_runs(const SceneRun& run, std::pair<int, int> rounds) {
-  std::size_t sum = 0;
-  for (int round = rounds.first; round < rounds.second; ++round)
-    for (const Entrant& entrant : run.entrants) sum += takes_part(entrant, round) ? 1 : 0;
-  return sum;
-}
-
 std::size_t measured_runs(const ExperimentPlan& plan) {
   std::size_t sum = 0;
   for (const SceneRun& run : plan.runs)
     for (const StepWindow& window : run.windows)
-      sum += static_cast<std::size_t>(window.count) * measured_runs(run, {0, rounds_of(plan, run)});
+      sum +=
+          static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(rounds_of(plan, run));
   return sum;
 }
 
@@ -83,7 +77,6 @@ json to_json(const ExperimentPlan& plan) {
                           {"pipeline", entrant.pipeline},
                           {"variant", entrant.variant},
                           {"on_boundary", entrant.on_boundary},
-                          {"every", entrant.every},
                           {"stages", to_json(entrant.spec)}});
     runs.push_back({{"scene", run.scene},
                     {"file", std::filesystem::path(run.file).filename().string()},

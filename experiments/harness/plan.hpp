@@ -19,7 +19,6 @@ struct Entrant {
   std::string variant;   ///< settings beside the preset's, "csat.axis=face"; may be empty
   PipelineSpec spec;
   bool on_boundary = false;  ///< runs on the boundary alone, as triangle shells (harness/boundary_shells.hpp)
-  int every = 1;             ///< takes part in round 0 and in each `every`-th after it; slow ones need fewer rounds
 };
 
 /// The consecutive steps [first, first + count).
@@ -69,12 +68,7 @@ int rounds_of(const ExperimentPlan& plan, const SceneRun& run);
 /// The rounds [first, second) that a process measures, in order of the processes.
 std::pair<int, int> rounds_of_process(const ExperimentPlan& plan, const SceneRun& run, int process);
 
-inline bool takes_part(const Entrant& entrant, int round) { return round % entrant.every == 0; }
-
-/// Number of measurements of one step in the rounds [rounds.first, rounds.second): the sum of the entrants that take
-/// part.
-std::size_t measured_runs(const SceneRun& run, std::pair<int, int> rounds);
-/// Number of measurements, in all steps of all windows and all rounds.
+/// Number of measurements: the sum over runs and windows of rounds x entrants x steps.
 std::size_t measured_runs(const ExperimentPlan& plan);
 
 /// The parts of the plan on which rows depend (file names without folders). A record can be resumed if these are equal.

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/core/median.hpp>
 #include <volccd/experiments/harness/boundary_shells.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
@@ -90,14 +89,12 @@ class Runner {
     stepper_.emplace(reader_, run_.config);  // element slots, and with them counts, depend on the edits before
     boundary_.reset();
     go_to(std::max(window.first - 1, 0));
-    for (Contestant& contestant : contestants_)
-      if (takes_part(contestant.entrant, round)) run(contestant);
+    for (Contestant& contestant : contestants_) run(contestant);
     for (int k = window.first; k < window.first + window.count; ++k) {
       go_to(k);
       if (!of_step_.contains(k)) remember(k);
       for (std::size_t i = 0; i < contestants_.size(); ++i) {
         Contestant& contestant = contestants_[(i + static_cast<std::size_t>(round)) % contestants_.size()];
-        if (!takes_part(contestant.entrant, round)) continue;
         run(contestant);
         rows.push_back(row(contestant, k, round));
         rows.back()["window"] = window.first;
@@ -105,18 +102,21 @@ class Runner {
     }
   }
 
-  /// A row is stalled if it took more than three times the median of its rounds, and a millisecond more. Measures the
+  /// A row is stalled if it took more than three times the fastest of its rounds, and a millisecond more. Measures the
   /// window once more if there is one, and puts the rows of this round, where they are faster, in the place of the
   /// stalled ones, with the time that was replaced. Returns whether there was one.
   bool replace_stalled(const StepWindow& window, std::vector<json>& rows) {
     const auto key = [](const json& row) {
       return json::array({row.at("motion"), row.at("table"), row.at("pipeline"), row.at("variant")}).dump();
     };
-    std::map<std::string, std::vector<double>> times;
-    for (const json& row : rows) times[key(row)].push_back(row.at("seconds"));
+    std::map<std::string, double> fastest;
+    for (const json& row : rows) {
+      const double seconds = row.at("seconds");
+      double& least = fastest.try_emplace(key(row), seconds).first->second;
+      least = std::min(least, seconds);
+    }
     const auto stalled = [&](const json& row) {
-      const double usual = median(times.at(key(row)));
-      return times.at(key(row)).size() > 2 && row.at("seconds").get<double>() > 3 * usual + 1e-3;
+      return row.at("seconds").get<double>() > 3 * fastest.at(key(row)) + 1e-3;
     };
     if (std::none_of(rows.begin(), rows.end(), stalled)) return false;
     std::vector<json> more;
@@ -255,7 +255,8 @@ bool run_experiment(const Registry& registry, const ExperimentPlan& plan, Execut
           record.add(key, rows);
           measured = true;
         }
-        done += static_cast<std::size_t>(window.count) * measured_runs(run, rounds);
+        done += static_cast<std::size_t>(window.count) * run.entrants.size() *
+                static_cast<std::size_t>(rounds.second - rounds.first);
       }
     }
     if (measured && process + 1 < plan.processes) return false;

@@ -37,7 +37,6 @@ void add_subsets_of(const Registry& registry, const char* broad_phase, const Orp
         Entrant one = entrant(registry, "stages", "VolCCD+", settings);
         one.pipeline = broad_phase;
         one.variant = names.empty() ? "none" : fmt::format("{}", fmt::join(names, " + "));
-        if (*orphans.name == '\0') one.every = kSlowEvery;  // without assignment
         entrants.push_back(std::move(one));
       }
 }

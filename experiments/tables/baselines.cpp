@@ -25,9 +25,6 @@ struct TableEntrant {
   std::vector<std::string> settings = {};
   bool baseline = true;
   std::string broad_phase = {};  ///< of another library, which the program may be without
-
-  /// Without filters, or with the boxes of another library.
-  bool slow() const { return pipeline == "NavCCD" && title != "with filters"; }
 };
 
 const std::vector<TableEntrant>& names() {
@@ -227,7 +224,6 @@ SceneRun run_of(const PlanContext& context, const TableScene& scene, const char*
     if (!is_there(context.registry, name) || !takes(name)) continue;
     run.entrants.push_back(entrant(context.registry, table, name.preset, name.settings));
     run.entrants.back().variant = name.variant;
-    if (name.slow()) run.entrants.back().every = kSlowEvery;
   }
   return run;
 }

@@ -15,9 +15,8 @@
 
 namespace volccd {
 
-/// Of full runs of the experiments whose ratios are published. Entrants that take many times as long as the others are
-/// measured in every second round: they take most of the time, and vary least.
-inline constexpr int kFullRounds = 6, kFullProcesses = 2, kSlowEvery = 2;
+/// Of full runs of the experiments whose ratios are published.
+inline constexpr int kFullRounds = 5, kFullProcesses = 2;
 
 struct TableScene {
   std::string name;  ///< as in rows

@@ -156,7 +156,6 @@ ExperimentPlan plus_plan(const PlanContext& context) {
       run.threads = threads;
       if (shortened) run.rounds = 1;
       for (const Name& name : kEntrants) run.entrants.push_back(plus_entrant(context, table, name));
-      run.entrants.front().every = kSlowEvery;
       for (const std::string& pipeline : context.pipelines)
         run.entrants.push_back(entrant(context.registry, table, pipeline));
       plan.runs.push_back(std::move(run));

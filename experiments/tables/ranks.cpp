@@ -167,6 +167,7 @@ class RankComparison {
                    {"ranks", ranks},
                    {"round", round},
                    {"motion", mesh_.step},
+                   {"warm_ups", kRankWarmUps},
                    {"threads", executor_.workers()},
                    {"elements", elements},
                    {"whole_s", whole.statistics.seconds},
@@ -244,13 +245,14 @@ void ranks_rows(const PlanContext& context, RecordFile& record) {
 }
 
 std::vector<TitledTable> ranks_tables(const json& record) {
+  const Rows rows(record);
   TextTable times({"scene", "motion", "elements", "ranks", "whole, ms", "slowest, ms", "whole / slowest", "all / whole",
                    "model, ms"},
                   4);
   TextTable pieces({"scene", "motion", "elements", "ranks", "copies", "halo", "imbalance", "tests / whole",
                     "neighbours", "KB mean", "KB most"},
                    4);
-  for_each_rank_line(Rows(record), [&](const RankLine& line) {
+  for_each_rank_line(rows, [&](const RankLine& line) {
     const json& first = line.rows.front();
     const std::vector<std::string> labels = {first.at("scene"), first.at("case"),
                                              grouped(first.at("elements").get<std::uint64_t>()),
@@ -273,7 +275,8 @@ std::vector<TitledTable> ranks_tables(const json& record) {
            "slowest: rank, pipeline with boxes, lists and piece; all: the sum over ranks; model: computed, not "
            "measured: the slowest rank, and on a network of {:.0f} us latency and {:.0f} GB/s for each rank, {} "
            "exchanges with the neighbours, {} reductions, and the bytes of the rank that receives most\n",
-           kRankRounds, kRankWarmUps, 1e6 * kLatency, kBandwidth / 1e9, kExchanges, kReductions)},
+           rows.values("round").size(), rows.median("warm_ups"), 1e6 * kLatency, kBandwidth / 1e9, kExchanges,
+           kReductions)},
       {"Ranks: pieces and messages", pieces,
        "copies: elements of all ranks over those of the mesh; halo: those around the pieces, whose stars alone are "
        "classified; imbalance: slowest pipeline over the mean; "

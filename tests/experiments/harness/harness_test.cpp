@@ -147,11 +147,11 @@ TEST_F(Harness, RoundsRunForwardFromTheStepBeforeTheWindow) {
     }
 }
 
-/// Drops nothing, and is slow the sixth time.
+/// Drops nothing, and is slow the fourth time.
 class Stalls final : public FeatureFilter {
  public:
   void prepare(const Step&, StageState&, Executor&) const override {
-    if (++calls_ == 6) std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    if (++calls_ == 4) std::this_thread::sleep_for(std::chrono::milliseconds(300));
   }
   void run(const Step&, StageState&, unsigned, const TestBlock&, std::span<std::uint8_t>) const override {}
 
@@ -168,10 +168,10 @@ TEST_F(Harness, AStalledStepIsMeasuredAgain) {
   SceneRun run{"block", file_, {}, {{2, 1}}, {entrant(registry, "", "NavCCD", {"feature-filter=stalls"})}};
   RecordFile record(folder_ / "", "stalls", {{"a", 1}});
   SerialExecutor serial;
-  run_experiment(registry, {"test", "quick", 5, {run}}, serial, record);
-  ASSERT_EQ(record.rows().size(), 5u);
+  run_experiment(registry, {"test", "quick", 2, {run}}, serial, record);
+  ASSERT_EQ(record.rows().size(), 2u);
   for (const json& row : record.rows()) {
-    const bool stalled = row.at("round") == 2;  // each round has a step before the one that is measured
+    const bool stalled = row.at("round") == 1;  // each round has a step before the one that is measured
     EXPECT_EQ(row.at("stalled_seconds").get<double>() >= 0.3, stalled);
     EXPECT_LT(row.at("seconds").get<double>(), 0.3);
   }
@@ -209,18 +209,6 @@ TEST_F(Harness, ProcessesDivideTheRounds) {
     for (const json& row : record.rows()) rounds[row.at("process")].insert(row.at("round").get<int>());
   }
   EXPECT_EQ(rounds, (std::map<int, std::set<int>>{{0, {0}}, {1, {1, 2}}}));
-}
-
-TEST_F(Harness, SlowEntrantsTakePartInFewerRounds) {
-  ExperimentPlan slow = plan(6, {{1, 2}});
-  slow.runs[0].entrants[0].every = 2;
-  const std::vector<json> rows = rows_of(slow, 1, "s");
-  EXPECT_EQ(rows.size(), 2u * (3u + 3u * 6u));
-  EXPECT_EQ(measured_runs(slow), rows.size());
-  std::map<std::string, std::set<int>> rounds;
-  for (const json& row : rows) rounds[row.at("pipeline")].insert(row.at("round").get<int>());
-  EXPECT_EQ(rounds.at("NavCCD"), (std::set<int>{0, 2, 4}));
-  EXPECT_EQ(rounds.at("VolCCD+"), (std::set<int>{0, 1, 2, 3, 4, 5}));
 }
 
 TEST_F(Harness, ARecordIsCompleteForItsOwnIdentityAlone) {

@@ -95,11 +95,14 @@ TEST_F(QueryMotion, RowsHaveTheContactsWithinTheSeparation) {
   EXPECT_EQ(summary[1].at("motion_model"), "query");
   std::map<std::string, double> tests;
   for (const json& row : rows)
-    if (row.at("pipeline") == "NavCCD" && row.at("motion_model") == "query")
+    if (row.at("pipeline") == "NavCCD" && row.at("motion_model") == "linear")
       tests[row.at("variant")] = row.at("vf_tests").get<double>() + row.at("ee_tests").get<double>();
   EXPECT_EQ(tests.size(), 3u) << "alone, without adjacent pairs, filtered";
   EXPECT_LT(tests.at("feature-filter=feature-kdop,coplanarity"), tests.at(""));
-  EXPECT_GT(summary[1].at("speedup_navccd_filtered_plus").get<double>(), 0);
+  EXPECT_GT(summary[0].at("speedup_navccd_filtered_plus").get<double>(), 0);
+  for (const char* key : {"hashccd_ms", "speedup_hashccd_plus", "navccd_filtered_ms"})
+    EXPECT_FALSE(summary[1].contains(key)) << key << ": fewer pipelines run on queries";
+  expect_described(summary[1], "table1_summary");
 }
 
 /// The summary's keys are those that docs/record.schema.json promises to scripts.

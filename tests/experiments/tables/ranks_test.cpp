@@ -73,14 +73,17 @@ TEST_F(RanksExperiment, TablesAndSummary) {
                     {"copies", 1.5},        {"halo", 0.5},
                     {"tests", 210},         {"whole_tests", 200},
                     {"bytes_max", 1000000}, {"bytes_mean", 500000.0},
-                    {"neighbours_max", 10}, {"contacts", 5}});
+                    {"neighbours_max", 10}, {"contacts", 5},
+                    {"warm_ups", 8}});
   const json record = {{"rows", rows}}, line = ranks_summary(record).at(0);
   EXPECT_NEAR(line.at("speedup_slowest").get<double>(), 10, 1e-9) << "of the median round";
   EXPECT_NEAR(line.at("overhead").get<double>(), 1.2, 1e-9);
   EXPECT_NEAR(line.at("test_ratio").get<double>(), 1.05, 1e-9);
   // 10 ms, 2 x 10 + 5 x 4 latencies of 2 us, 1 MB at 10 GB/s
   EXPECT_NEAR(line.at("modelled_ms").get<double>(), 10 + 0.08 + 0.1, 1e-9);
-  const auto times = ranks_tables(record).at(0).table.rows().at(1);
+  const TitledTable table = ranks_tables(record).at(0);
+  EXPECT_EQ(table.note.find("medians of 3 rounds after 8 steps,"), 0u) << "of the record, not of the program";
+  const auto times = table.table.rows().at(1);
   EXPECT_EQ(times.at(4), "100");
   EXPECT_EQ(times.at(6), "10x");
   expect_described(line, "ranks_summary");
