@@ -177,7 +177,7 @@ std::vector<TableScene> own_scenes(const ExperimentOptions& options) {
   return scenes;
 }
 
-/// Makes --steps and --rounds those of all runs and entrants. The record has names of files without their folders.
+/// Makes --steps and --rounds those of all runs. The record has names of files without their folders.
 void change_plan(const ExperimentOptions& options, ExperimentPlan& plan) {
   std::vector<std::string> files;
   for (const std::string& scene : options.scenes) files.push_back(std::filesystem::path(scene).filename().string());
@@ -190,10 +190,7 @@ void change_plan(const ExperimentOptions& options, ExperimentPlan& plan) {
     plan.processes = std::min(plan.processes, plan.rounds);
   }
   for (SceneRun& run : plan.runs) {
-    if (options.rounds > 0) {
-      run.rounds = 0;
-      for (Entrant& entrant : run.entrants) entrant.every = 1;
-    }
+    if (options.rounds > 0) run.rounds = 0;
     if (options.steps.empty()) continue;
     const StepRange range = parse_steps(options.steps, step_count(run.file), run.file);
     run.windows = {{range.begin, range.end - range.begin}};
