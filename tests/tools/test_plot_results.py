@@ -118,13 +118,13 @@ class Plots(unittest.TestCase):
         for part in ("octopi (1), crash (1)", "Setting: quick", "Commit abc1234.", "Test CPU, 2 cores, 1 thread."):
             self.assertIn(part, caption)
 
-    def test_speedups_are_ratios_of_medians_beside_the_paper_s(self):
+    def test_speedups_are_ratios_of_means_beside_the_paper_s(self):
         self.record("table1", self.table1())
         self.good("--only", "speedup")
         texts = self.texts("speedup")
-        # NavCCD: the motions have the medians 4, 4 and 200 s, hence 4 s; VolCCD: 1, 1 and 2, hence 1 s; VolCCD+: 0.5 s.
+        # NavCCD: the motions have the medians 4, 4 and 200 s; VolCCD: 1, 1 and 2; VolCCD+: 0.5; HashCCD: 8.
         self.assertEqual([text for text in texts if text.endswith("×")],
-                         ["4.0×", "8.0×", "12×", "8.0×", "16.0×", "18.3×"])
+                         ["52.0×", "139×", "12×", "6.0×", "16.0×", "18.3×"])
         self.assertIn("I-b: over NavCCD", texts)
 
     def test_speedups_take_motions_that_both_have(self):

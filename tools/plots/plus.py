@@ -1,11 +1,9 @@
 """The experiment `plus`: whole steps of VolCCD, VolCCD+ without and with flood, and on the boundary alone."""
 
-import statistics
-
 from matplotlib.patches import Patch
 
 from .page import DOUBLE, SMALL, Looks, Page, log_axis, log_limits, number, scene_axis
-from .records import grouped, label_of, scenes_of, seconds_with_edit
+from .records import grouped, label_of, mean_over_steps, scenes_of, seconds_with_edit
 
 
 def steady(rows):
@@ -18,9 +16,7 @@ def steady(rows):
 
 
 def mean_ms(rows):
-    """Mean over steps of the median over rounds, in milliseconds, as in the tables."""
-    rounds = grouped(steady(rows), "motion").values()
-    return 1e3 * statistics.fmean(statistics.median(map(seconds_with_edit, some)) for some in rounds)
+    return 1e3 * mean_over_steps(steady(rows), seconds_with_edit)
 
 
 def draw_plus(record, _):

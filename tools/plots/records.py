@@ -92,6 +92,11 @@ def typical(rows):
     return [rounds[(len(rounds) - 1) // 2] for rounds in by_time]
 
 
+def mean_over_steps(rows, value):
+    """The mean over steps of the median over rounds of value(row), as in the tables."""
+    return statistics.fmean(statistics.median(map(value, rounds)) for rounds in grouped(rows, "motion").values())
+
+
 def median_over_steps(rows, value):
     """The median over steps of the median over rounds of value(row)."""
     return statistics.median(statistics.median(map(value, rounds)) for rounds in grouped(rows, "motion").values())

@@ -5,7 +5,7 @@ import itertools
 from matplotlib.lines import Line2D
 
 from .page import DOUBLE, PAPER_MARK, SMALL, Page, log_axis, pipeline_looks, scene_axis, times
-from .records import grouped, is_baseline, label_of, median_over_steps, scenes_of, seconds_with_edit
+from .records import grouped, is_baseline, label_of, mean_over_steps, scenes_of, seconds_with_edit
 
 # Numbers printed in the paper's Table I.
 PAPER_SPEEDUP = {"NavCCD": {"octopi": 12, "bullet": 21, "airbag": 10.2, "crash": 12.4, "liver": 10.3},
@@ -35,12 +35,12 @@ def comparisons(rows, family):
 
 
 def speedup(baseline, subject):
-    """Ratio of the median times, topology edits included, over the steps that both have; None if they share no
+    """Ratio of the mean times, as in the tables, topology edits included, over the steps that both have; None if they share no
     step."""
     steps = {row["motion"] for row in baseline} & {row["motion"] for row in subject}
     if not steps:
         return None
-    before, after = (median_over_steps([row for row in rows if row["motion"] in steps], seconds_with_edit)
+    before, after = (mean_over_steps([row for row in rows if row["motion"] in steps], seconds_with_edit)
                      for rows in (baseline, subject))
     return before / after
 
@@ -100,7 +100,7 @@ def speedup_page(record, ratios, families, tables, scenes):
         panel.set_ylim(len(scenes) * pitch - 0.9, -0.9)
         scene_axis(panel, [i * pitch + (slots - 1) / 2 for i in range(len(scenes))], scenes)
     for panel in page.panels[-1]:
-        panel.set_xlabel("speed-up (ratio of median times)" if len(tables) < 4 else "speed-up")
+        panel.set_xlabel("speed-up (ratio of mean times)" if len(tables) < 4 else "speed-up")
     return page
 
 
