@@ -35,8 +35,8 @@ def comparisons(rows, family):
 
 
 def speedup(baseline, subject):
-    """Ratio of the mean times, as in the tables, topology edits included, over the steps that both have; None if they share no
-    step."""
+    """Ratio of the mean times, as in the tables, topology edits included, over the steps that both have; None if they
+    share no step."""
     steps = {row["motion"] for row in baseline} & {row["motion"] for row in subject}
     if not steps:
         return None
