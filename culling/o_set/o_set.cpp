@@ -1,6 +1,7 @@
 #include <volccd/culling/o_set/o_set.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -10,12 +11,12 @@
 #include <volccd/culling/o_set/detail/o_set_blocks.hpp>
 #include <volccd/culling/o_set/detail/o_set_partners.hpp>
 #include <volccd/mesh/topology_delta.hpp>
-#include <volccd/query/shell_neighbours.hpp>
 
 namespace volccd {
 
 namespace {
 
+using detail::elements_at;
 using detail::OSetBlocks;
 using detail::OSetPartners;
 using Owner = OSetBlocks::Owner;
@@ -25,11 +26,25 @@ struct FeatureLists {
   std::vector<Index> vertices, triangles, edges;
 };
 
+/// Orders a few features so that those with the same incident elements follow each other.
+template <Owner kind>
+void group_by_elements(const Features& features, std::span<Index> few,
+                       std::vector<std::pair<std::uint64_t, Index>>& scratch) {
+  scratch.clear();
+  for (const Index i : few) {
+    const std::span<const Index> inc = elements_at<kind>(features, i);
+    scratch.emplace_back(std::uint64_t{inc.front()} << 32 | inc.back(), i);
+  }
+  std::ranges::sort(scratch);
+  std::ranges::transform(scratch, few.begin(), &std::pair<std::uint64_t, Index>::second);
+}
+
 /// All used vertices and all edges, in breadth-first order, so that neighbours follow each other closely. The same
 /// elements are examined for nearby features, and the numbering may have scattered them over memory.
 FeatureLists in_near_order(const Mesh& mesh, const Features& features) {
   FeatureLists lists;
   std::vector<char> vertex_seen(features.vertex_slots(), 0), element_seen(mesh.element_slots(), 0);
+  std::vector<std::pair<std::uint64_t, Index>> scratch;
   lists.vertices.reserve(features.vertex_count());
   lists.edges.reserve(features.edge_count());
   const auto add_vertex = [&](Index v) {
@@ -41,11 +56,23 @@ FeatureLists in_near_order(const Mesh& mesh, const Features& features) {
       for (const Index o : features.vertex_elements(lists.vertices[next])) {
         if (std::exchange(element_seen[o], 1)) continue;
         const std::span<const Index> edges = features.own_edges(o);
+        const std::size_t first_edge = lists.edges.size(), first_vertex = lists.vertices.size();
         lists.edges.insert(lists.edges.end(), edges.begin(), edges.end());
         for (const Index v : mesh.vertices(o)) add_vertex(v);
+        group_by_elements<Owner::edge>(features, std::span(lists.edges).subspan(first_edge), scratch);
+        group_by_elements<Owner::vertex>(features, std::span(lists.vertices).subspan(first_vertex), scratch);
       }
   }
   return lists;
+}
+
+/// How many features at the beginning of the list have the same incident elements.
+template <Owner kind>
+std::size_t alike(const Features& features, std::span<const Index> list) {
+  const std::span<const Index> inc = elements_at<kind>(features, list.front());
+  const auto end =
+      std::ranges::find_if(list, [&](Index i) { return !std::ranges::equal(elements_at<kind>(features, i), inc); });
+  return static_cast<std::size_t>(end - list.begin());
 }
 
 }  // namespace
@@ -57,8 +84,8 @@ struct OSet::Impl {
   void update(const Topology& topology, Executor& executor, bool without_shell_neighbours);
   FeatureLists renew(const Features& features);
   void find_pairs(const Topology& topology, const FeatureLists& lists, Executor& executor);
-  template <class Find>
-  void write_rows(const Topology& topology, Owner owner, std::span<const Index> items, Executor& executor, Find&& find);
+  template <Owner owner, class Wanted>
+  void write_rows(const Topology& topology, std::span<const Index> items, Executor& executor, Wanted&& wanted);
 
   OSetKind kind;
   bool leave_out_shell_neighbours = false;
@@ -67,31 +94,27 @@ struct OSet::Impl {
   std::vector<detail::ElementTouch> scratch;  ///< by worker
 };
 
-/// Calls find(item, partners, add) for all items, which adds the partners of an item. Items are distributed to threads
-/// in parts that do not depend on their number, and the parts are joined in order.
-template <class Find>
-void OSet::Impl::write_rows(const Topology& topology, Owner owner, std::span<const Index> items, Executor& executor,
-                            Find&& find) {
+/// Writes the rows of these features: all partners of an item for which wanted(item, partner) is true. Items are
+/// distributed to threads in parts that do not depend on their number, and the parts are joined in order.
+template <Owner owner, class Wanted>
+void OSet::Impl::write_rows(const Topology& topology, std::span<const Index> items, Executor& executor,
+                            Wanted&& wanted) {
   constexpr std::size_t kPartItems = 2048;
-  const auto wanted = [&](Index item, Index partner) {
-    if (!leave_out_shell_neighbours) return true;
-    const FeatureKind pair_kind = owner == Owner::edge ? FeatureKind::ee : FeatureKind::vf;
-    const FeaturePair pair = owner == Owner::triangle ? FeaturePair{partner, item} : FeaturePair{item, partner};
-    return !share_shell_vertex(pair_kind, test_vertices(topology.features(), pair_kind, pair));
-  };
   scratch.resize(executor.workers());
   std::vector<OSetBlocks::Part> parts((items.size() + kPartItems - 1) / kPartItems);
   executor.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end, unsigned w) {
     scratch[w].fit(topology.features().vertex_slots(), topology.mesh().element_slots());
-    OSetPartners partners(topology, kind == OSetKind::literal, scratch[w]);
+    OSetPartners partners(topology, kind, leave_out_shell_neighbours, scratch[w]);
     for (std::size_t p = begin; p < end; ++p) {
       OSetBlocks::Writer rows(parts[p], owner);
       const std::size_t first = p * kPartItems;
-      for (const Index item : items.subspan(first, std::min(kPartItems, items.size() - first))) {
-        rows.begin_row(item);
-        find(item, partners, [&](Index partner) {
-          if (wanted(item, partner)) rows.add(partner);
-        });
+      std::span<const Index> left = items.subspan(first, std::min(kPartItems, items.size() - first));
+      while (!left.empty()) {
+        const std::size_t n = alike<owner>(topology.features(), left);
+        partners.find<owner>(
+            left.first(n), wanted, [&](Index item) { rows.begin_row(item); },
+            [&](Index partner) { rows.add(partner); });
+        left = left.subspan(n);
       }
       rows.flush();
     }
@@ -134,16 +157,12 @@ FeatureLists OSet::Impl::renew(const Features& features) {
 /// Writes all pairs of the listed features, which are new. A pair of two of them is written once: VF for its vertex, EE
 /// for its smaller edge.
 void OSet::Impl::find_pairs(const Topology& topology, const FeatureLists& lists, Executor& executor) {
-  write_rows(topology, Owner::vertex, lists.vertices, executor,
-             [](Index v, OSetPartners& partners, auto&& add) { partners.triangles_of_vertex(v, add); });
-  write_rows(topology, Owner::triangle, lists.triangles, executor, [&](Index f, OSetPartners& partners, auto&& add) {
-    partners.vertices_of_triangle(
-        f, [&](Index v) { return !blocks.is_new(Owner::vertex, v); }, add);
-  });
+  write_rows<Owner::vertex>(topology, lists.vertices, executor, [](Index, Index) { return true; });
+  write_rows<Owner::triangle>(topology, lists.triangles, executor,
+                              [&](Index, Index v) { return !blocks.is_new(Owner::vertex, v); });
   const bool all_new = blocks.all_new();
-  write_rows(topology, Owner::edge, lists.edges, executor, [&](Index e, OSetPartners& partners, auto&& add) {
-    partners.edges_of_edge(
-        e, [&, all_new](Index e2) { return e2 > e || (!all_new && !blocks.is_new(Owner::edge, e2)); }, add);
+  write_rows<Owner::edge>(topology, lists.edges, executor, [&, all_new](Index e, Index e2) {
+    return e2 > e || (!all_new && !blocks.is_new(Owner::edge, e2));
   });
 }
 

@@ -7,7 +7,7 @@ import textwrap
 from matplotlib.lines import Line2D
 
 from .page import DOUBLE, INCH, SMALL, Looks, Page, log_axis, log_limits, number, scene_axis, times
-from .records import grouped, label_of, mean_count, median_over_steps, scenes_of, seconds, tests
+from .records import grouped, label_of, mean_count, mean_over_steps, scenes_of, seconds_with_edit, tests
 
 LINES_OF_A_PAGE = 40  # rows of an ablation on one page
 NOT_RECORDED = "broad phase not recorded"
@@ -31,7 +31,7 @@ def ablation_lines(record):
         broad_phase = setting[1] if setting else planned.get((table, pipeline, variant), NOT_RECORDED)
         others = re.sub(r"(?:^|\s)broad-phase=[\w-]+", "", variant).strip()
         label = others or "none" if pipeline == broad_phase else label_of(pipeline, others)
-        time = median_over_steps(rows, seconds)
+        time = mean_over_steps(rows, seconds_with_edit)
         best[scene] = min(time, best.get(scene, math.inf))
         cells.setdefault((broad_phase, label), {})[scene] = (time, mean_count(rows, tests))
     order = list(dict.fromkeys(broad_phase for broad_phase, _ in cells))
@@ -83,7 +83,7 @@ def ablation_page(lines, scenes):
                     panel.annotate(text, (value, height), (5, 0), textcoords="offset points", va="center",
                                    fontsize=SMALL)
     room = 3 if len(scenes) == 1 else 1.4
-    left.set(xscale="log", xlabel="median time / the scene's best", ylim=(y - 0.4, -0.4))
+    left.set(xscale="log", xlabel="mean time / the scene's best", ylim=(y - 0.4, -0.4))
     left.set_xlim(0.9, room * max(ratio for _, _, cells in lines for ratio, _ in cells.values()))
     right.set(xscale="log", xlabel="tests per step (mean)")
     log_limits(right.set_xlim, [max(count, 0.5) for _, _, cells in lines for _, count in cells.values()], room)

@@ -97,11 +97,6 @@ def mean_over_steps(rows, value):
     return statistics.fmean(statistics.median(map(value, rounds)) for rounds in grouped(rows, "motion").values())
 
 
-def median_over_steps(rows, value):
-    """The median over steps of the median over rounds of value(row)."""
-    return statistics.median(statistics.median(map(value, rounds)) for rounds in grouped(rows, "motion").values())
-
-
 def seconds(row):
     return row["seconds"]
 

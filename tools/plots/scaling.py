@@ -6,9 +6,9 @@ import statistics
 from matplotlib.lines import Line2D
 
 from .page import DOUBLE, SMALL, Looks, Page, log_axis, pipeline_looks
-from .records import check_columns, grouped, label_of, mean_count, median_over_steps, scenes_of, seconds, tests
+from .records import check_columns, grouped, label_of, mean_count, mean_over_steps, scenes_of, seconds, tests
 
-QUANTITIES = {"time, s": lambda rows: median_over_steps(rows, seconds),
+QUANTITIES = {"time, s": lambda rows: mean_over_steps(rows, seconds),
               "memory, bytes": lambda rows: max(row["workspace_bytes"] for row in rows),
               "elementary tests per step": lambda rows: mean_count(rows, tests)}
 
