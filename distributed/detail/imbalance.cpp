@@ -29,7 +29,7 @@ void Imbalance::add_step(Exchange& exchange, double seconds, double all_seconds,
   if (std::isinf(max_ratio_) || exchange.size() == 1) return;
   if (after_cuts) {
     price_ = factor_ * times_of(exchange, all_seconds).slowest;
-    factor_ *= 2;
+    factor_ = std::max(1.0, 2 * factor_);
     lost_ = seconds_ = elements_ = 0;
     return;
   }

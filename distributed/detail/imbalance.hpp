@@ -18,7 +18,8 @@ class Imbalance {
   void add_step(Exchange& exchange, double seconds, double all_seconds, std::uint64_t elements, bool after_cuts);
   /// Whether the steps since the last cuts have lost their price: the time of the slowest rank beyond max_ratio times
   /// the mean. So cuts that gain nothing cost at most as much as what they were made for; and as some imbalance remains
-  /// with all cuts, the price is doubled with each. The same on all ranks.
+  /// with all cuts, the price is doubled with each. The first cuts, which know no times, are given up for a 16th of it.
+  /// The same on all ranks.
   bool wants_cuts() const { return lost_ > price_; }
 
   /// Seconds of an element in the piece of each rank, by rank. Collective.
@@ -27,8 +28,8 @@ class Imbalance {
  private:
   double max_ratio_;
   double lost_ = 0, price_ = 0;
-  double factor_ = 1;   ///< of the price
-  double seconds_ = 0;  ///< of this rank since the last cuts
+  double factor_ = 1.0 / 16;  ///< of the price
+  double seconds_ = 0;        ///< of this rank since the last cuts
   double elements_ = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include <volccd/core/random.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/distributed/detail/bytes.hpp>
 #include <volccd/pipelines/stage_clock.hpp>
@@ -13,8 +14,8 @@ namespace volccd::distributed::detail {
 
 namespace {
 
-/// Centres that each rank gives, at most, to divide space: every rank sorts those of all.
-constexpr std::size_t kSamples = 512;
+/// Centres that ranks give to divide space, at most, as every rank sorts them: so many in all, or of each rank.
+constexpr std::size_t kAllSamples = std::size_t{1} << 17, kSamples = 512;
 
 constexpr double kMax = std::numeric_limits<double>::max();
 
@@ -131,15 +132,17 @@ std::vector<Question> ask(Exchange& exchange, const Home& home, std::span<const 
 
 Regions divide(Exchange& exchange, std::span<const MotionBox> boxes, const Regions& present,
                std::span<const double> density) {
-  const std::size_t stride = std::max<std::size_t>(1, (boxes.size() + kSamples - 1) / kSamples);
+  const std::size_t samples = std::max(kSamples, kAllSamples / static_cast<std::size_t>(exchange.size()));
+  const std::size_t stride = std::max<std::size_t>(1, (boxes.size() + samples - 1) / samples);
+  Random random(1);  // ids may have a pattern
   Bytes mine;
   for (std::size_t begin = 0; begin < boxes.size(); begin += stride) {
-    double weight = 0;
-    for (std::size_t i = begin; i < std::min(begin + stride, boxes.size()); ++i)
-      weight += density.empty() ? 1 : density[static_cast<std::size_t>(present.at(centre(boxes[i])))];
-    const Vec3 point = centre(boxes[begin + (std::min(begin + stride, boxes.size()) - begin) / 2]);
+    const std::size_t count = std::min(stride, boxes.size() - begin);
+    const Vec3 point = centre(boxes[begin + random.below(count)]);
     for (int axis = 0; axis < 3; ++axis) put(mine, point[axis]);
-    put(mine, weight);
+    // Elements that follow each other may be anywhere: those of the sample are taken to be where it is.
+    put(mine,
+        static_cast<double>(count) * (density.empty() ? 1 : density[static_cast<std::size_t>(present.at(point))]));
   }
   std::vector<Vec3> points;
   std::vector<double> weights;

@@ -77,6 +77,7 @@ json to_json(const ExperimentPlan& plan) {
                           {"pipeline", entrant.pipeline},
                           {"variant", entrant.variant},
                           {"on_boundary", entrant.on_boundary},
+                          {"without_separation", entrant.without_separation},
                           {"stages", to_json(entrant.spec)}});
     runs.push_back({{"scene", run.scene},
                     {"file", std::filesystem::path(run.file).filename().string()},

@@ -19,6 +19,7 @@ struct Entrant {
   std::string variant;   ///< settings beside the preset's, "csat.axis=face"; may be empty
   PipelineSpec spec;
   bool on_boundary = false;  ///< runs on the boundary alone, as triangle shells (harness/boundary_shells.hpp)
+  bool without_separation = false;  ///< runs with separation 0 where a query has one, so that contacts differ
 };
 
 /// The consecutive steps [first, first + count).

@@ -162,10 +162,14 @@ class Runner {
   void run(Contestant& contestant) {
     before_each_();
     const bool on_boundary = contestant.entrant.on_boundary;
-    contestant.runner.set_separation(stepper_->separation());
+    contestant.runner.set_separation(separation_for(contestant.entrant));
     contestant.runner.run(topology(on_boundary), on_boundary ? boundary_->motion() : motion_,
                           {.count_adjacent = false});
     if (contestant.first_seconds == 0) contestant.first_seconds = contestant.runner.result().statistics.seconds;
+  }
+
+  double separation_for(const Entrant& entrant) const {
+    return entrant.without_separation ? 0 : stepper_->separation();
   }
 
   const Topology& topology(bool of_boundary) const { return of_boundary ? boundary_->topology() : *topology_; }
@@ -198,7 +202,7 @@ class Runner {
                 {"edges", name_of(run_.config.edge_set)},
                 {"shells", name_of(run_.config.shells)},
                 {"mesh", on_boundary ? "boundary" : "whole"},
-                {"separation", stepper_->separation()},
+                {"separation", separation_for(contestant.entrant)},
                 {"motion", step},
                 {"round", round},
                 {"threads", executor_.workers()},
@@ -318,7 +322,7 @@ std::vector<std::string> contact_differences(const Registry& registry, const Exp
     };
     std::map<std::string, const Entrant*> references;  // by narrow phase
     for (const Entrant& entrant : run.entrants) {
-      if (entrant.on_boundary || !keeps_contacts(registry, entrant.spec)) continue;
+      if (entrant.on_boundary || entrant.without_separation || !keeps_contacts(registry, entrant.spec)) continue;
       const std::string test = json{entrant.spec.narrow_phase.name, entrant.spec.narrow_phase.options}.dump();
       const auto [reference, is_first] = references.try_emplace(test, &entrant);
       if (is_first) continue;

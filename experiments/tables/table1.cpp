@@ -29,6 +29,8 @@ const std::map<std::string, PaperRow> kPrintedRows = {{"octopi", {"75 ms", "12x"
 constexpr const char* kNoAdjacent = "orphans=o-set";
 /// NavCCD with the filters that gain most. The paper's has none.
 constexpr const char* kFiltered = "feature-filter=feature-kdop,coplanarity";
+/// VolCCD+ in query motions, asked without their separation.
+constexpr const char* kWithoutSeparation = "without separation";
 
 bool is(const json& variant, const char* setting) {
   return variant.get<std::string>().find(setting) != std::string::npos;
@@ -40,8 +42,9 @@ const char* title_of(const std::string& table) {
   return "Table I-c: certified elementary tests";
 }
 
-/// `beside`: in other motions and edges than those of the paper's table, where fewer are compared.
-std::vector<Entrant> entrants_of(const Registry& registry, const std::string& table, bool beside) {
+/// In other motions and edges than those of the paper's table, fewer are compared.
+std::vector<Entrant> entrants_of(const Registry& registry, const std::string& table, MotionModel model, EdgeSet edges) {
+  const bool beside = model != MotionModel::linear || edges != EdgeSet::triangulated;
   if (table == "a")
     return {entrant(registry, "a", "NavCCD-2011"), entrant(registry, "a", "HashCCD-2011"),
             entrant(registry, "a", "VolCCD-2011")};
@@ -50,13 +53,18 @@ std::vector<Entrant> entrants_of(const Registry& registry, const std::string& ta
   std::vector<std::string> apart = test, filtered = test;
   apart.push_back(kNoAdjacent);
   filtered.push_back(kFiltered);
-  std::vector<Entrant> entrants = {entrant(registry, table, "NavCCD", test)};
-  if (!beside) entrants.push_back(entrant(registry, table, "HashCCD", test));
-  entrants.push_back(entrant(registry, table, "VolCCD", test));
-  if (!beside) entrants.push_back(entrant(registry, table, "NavCCD", apart));
-  if (!beside) entrants.push_back(entrant(registry, table, "NavCCD", filtered));
-  entrants.push_back(table == "b" ? entrant(registry, table, "VolCCD-2011", test)
-                                  : entrant(registry, table, "VolCCD+"));
+  std::vector<Entrant> entrants = {
+      entrant(registry, table, "NavCCD", test), entrant(registry, table, "VolCCD", test),
+      table == "b" ? entrant(registry, table, "VolCCD-2011", test) : entrant(registry, table, "VolCCD+")};
+  if (!beside) {
+    entrants.push_back(entrant(registry, table, "HashCCD", test));
+    for (const auto& settings : {apart, filtered}) entrants.push_back(entrant(registry, table, "NavCCD", settings));
+  }
+  if (model == MotionModel::query) {
+    entrants.push_back(entrant(registry, table, "VolCCD+"));
+    entrants.back().variant = kWithoutSeparation;
+    entrants.back().without_separation = true;
+  }
   return entrants;
 }
 
@@ -75,20 +83,22 @@ struct Comparison {
     const auto plain = [](const Rows& all) {
       Rows result = all;
       for (const json& variant : all.values("variant"))
-        if (!is(variant, kNoAdjacent) && !is(variant, kFiltered)) result = all.with("variant", variant);
+        if (!is(variant, kNoAdjacent) && !is(variant, kFiltered) && !is(variant, kWithoutSeparation))
+          result = all.with("variant", variant);
       return result;
     };
     nav = plain(of("NavCCD"));
     hash = of("HashCCD");
     vol = of("VolCCD");
-    plus = rows.with("pipeline", "VolCCD+");
+    plus = plain(rows.with("pipeline", "VolCCD+"));
     if (table == "b") printed = rows.with("pipeline", "VolCCD-2011");
     for (const json& variant : rows.values("variant")) {
       if (is(variant, kNoAdjacent)) apart = rows.with("variant", variant);
       if (is(variant, kFiltered)) filtered = rows.with("variant", variant);
+      if (is(variant, kWithoutSeparation)) plus_without_separation = rows.with("variant", variant);
     }
   }
-  Rows nav, hash, vol, plus, apart, filtered;
+  Rows nav, hash, vol, plus, apart, filtered, plus_without_separation;
   Rows printed;  ///< VolCCD-2011 with the test of table b
 
   double share_of_tests(const Rows& of) const { return nav.tests() > 0 ? of.tests() / nav.tests() : 0; }
@@ -134,17 +144,19 @@ std::string same_contacts(const Comparison& c) {
   return result.empty() ? "yes" : result;
 }
 
-std::vector<std::string> header_of(const std::string& table) {
+std::vector<std::string> header_of(const std::string& table, const std::string& model) {
   std::vector<std::string> header = {"scene", "elements", "steps", "NavCCD", "HashCCD", "VolCCD"};
   if (table == "c") header.push_back("VolCCD+");
   if (table == "b") header.push_back("2011");
   for (const char* name : {"/Nav", "paper, /Nav", "/Hash", "paper, /Hash"}) header.push_back(name);
   if (table == "c") header.insert(header.end(), {"+/Nav", "+/Hash"});
+  if (model == "query") header.push_back("+/+0");
   return header;
 }
 
 /// The cells below header_of().
-std::vector<std::string> line_of(const std::string& table, const std::string& scene, const Comparison& c) {
+std::vector<std::string> line_of(const std::string& table, const std::string& model, const std::string& scene,
+                                 const Comparison& c) {
   const auto paper = kPrintedRows.find(scene);
   const auto printed = [&](const char* PaperRow::*column) {
     return std::string(paper == kPrintedRows.end() ? "-" : paper->second.*column);
@@ -161,6 +173,7 @@ std::vector<std::string> line_of(const std::string& table, const std::string& sc
        {over_text(c.nav, c.vol), printed(&PaperRow::over_nav), over_text(c.hash, c.vol), printed(&PaperRow::over_hash)})
     line.push_back(cell);
   if (table == "c") line.insert(line.end(), {over_text(c.nav, c.plus), over_text(c.hash, c.plus)});
+  if (model == "query") line.push_back(over_text(c.plus, c.plus_without_separation));
   return line;
 }
 
@@ -171,14 +184,17 @@ std::string note_of(const std::string& table, const std::string& model) {
       "over them, with the 95 % interval over steps and rounds, and the paper's beside it";
   if (table == "c") note += "; +: of VolCCD+";
   if (table == "b") note += "; 2011: VolCCD-2011 with this test";
-  if (model == "query") note += "; query: the last one of the simulation before each frame, with its separation";
+  if (model == "query")
+    note +=
+        "; query: the last one of the simulation before each frame, with its separation; +/+0: time of "
+        "VolCCD+ over its time without the separation";
   return note + "\n";
 }
 
 TitledTable times(const Rows& rows, const std::string& table, const std::string& model, const std::string& edges) {
-  TextTable text(header_of(table));
+  TextTable text(header_of(table, model));
   for_each_line(rows, [&](const std::string& of, const std::string& scene, const Comparison& c) {
-    if (of == table && !c.nav.empty()) text.add(line_of(table, scene, c));
+    if (of == table && !c.nav.empty()) text.add(line_of(table, model, scene, c));
   });
   return {fmt::format("{}; {} motion, {} edges", title_of(table), model, edges), text, note_of(table, model)};
 }
@@ -277,6 +293,7 @@ json summary_of(const std::string& table, const std::string& scene, const Compar
     add_speedup("speedup_navccd_plus", c.nav, c.plus);
     add_speedup("speedup_hashccd_plus", c.hash, c.plus);
     add_speedup("speedup_navccd_filtered_plus", c.filtered, c.plus);
+    add_speedup("separation_costs_plus", c.plus, c.plus_without_separation);
     line["culling_ratio_percent_plus"] = 100 * c.share_of_tests(c.plus);
   }
   return line;
@@ -290,9 +307,8 @@ ExperimentPlan table1_plan(const PlanContext& context) {
   for (const TableScene& scene : table_scenes(context)) {
     const auto add = [&](const std::string& table, MotionModel model, EdgeSet edges) {
       SceneRun run{scene.name, scene.file, table_config(scene.file, model), table_windows(context, scene.file), {}};
-      const bool beside = model != MotionModel::linear || edges != EdgeSet::triangulated;
       run.config.edge_set = edges;
-      run.entrants = entrants_of(context.registry, table, beside);
+      run.entrants = entrants_of(context.registry, table, model, edges);
       if (table == "c")
         for (const std::string& pipeline : context.pipelines)
           run.entrants.push_back(entrant(context.registry, table, pipeline));

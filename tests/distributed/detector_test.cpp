@@ -198,7 +198,8 @@ TEST(RankDetector, ListsAndRegionsChangeWhenTheyMust) {
   }
 }
 
-/// Two ranks with given times: new cuts when the slower one has lost what the first step took, then twice that.
+/// Two ranks with given times: new cuts when the slower one has lost a 16th of what the first step took, then the whole
+/// of it, then twice that.
 TEST(Imbalance, WantsCutsWhenTheirPriceIsLost) {
   InProcessRanks(2).run([](Exchange& exchange) {
     detail::Imbalance imbalance(1.25);
@@ -207,6 +208,9 @@ TEST(Imbalance, WantsCutsWhenTheirPriceIsLost) {
       imbalance.add_step(exchange, seconds, 2 * seconds, 100, after_cuts);
       return imbalance.wants_cuts();
     };
+    EXPECT_FALSE(steps(2, 0.5, true)) << "its price is a 16th of 4";
+    EXPECT_FALSE(steps(1.5, 0.5)) << "a quarter lost beyond 1.25 times the mean";
+    EXPECT_TRUE(steps(1.5, 0.5));
     EXPECT_FALSE(steps(1.05, 0.5, true)) << "its price is 2.1";
     for (int k = 0; k < 3; ++k) EXPECT_FALSE(steps(1.5, 0.5)) << "each loses a quarter beyond 1.25 times the mean";
     for (int k = 0; k < 10; ++k) EXPECT_FALSE(steps(1.0, 0.8)) << "nothing lost";

@@ -63,6 +63,23 @@ TEST(ElementsAt, AreAllThatHaveTheVertices) {
   }
 }
 
+/// Cuts by measured times, where elements that follow each other are on opposite sides, and each sample stands for
+/// several elements.
+TEST(Divide, WeighsElementsByTheirOwnRegions) {
+  InProcessRanks(2).run([&](Exchange& exchange) {
+    Random random(static_cast<std::uint64_t>(exchange.rank()) + 1);
+    std::vector<MotionBox> boxes;
+    for (int i = 0; i < 200'000; ++i) {
+      const Vec3 point((i % 2) + random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1));
+      boxes.push_back({point, point});
+    }
+    const Regions equal = detail::divide(exchange, boxes, {}, {});
+    EXPECT_NEAR(equal.region(0).high[0], 1, 0.01);
+    const Regions weighed = detail::divide(exchange, boxes, equal, std::vector<double>{3, 1});
+    EXPECT_NEAR(weighed.region(0).high[0], 2.0 / 3, 0.01) << "as much below as from there on: 3 (1 - x) + 1 = 3 x";
+  });
+}
+
 /// The motion of a rank's vertices: those of the scene, of which one (of all ranks) or all are displaced by up to
 /// `amount`.
 Motion motion_of(const Home& given, const cases::Scene& scene, double amount, std::uint64_t seed) {

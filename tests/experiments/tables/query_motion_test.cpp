@@ -72,11 +72,19 @@ TEST_F(QueryMotion, RowsHaveTheContactsWithinTheSeparation) {
   stepper.go_to(3);
   const StepResult result =
       test::run_step({stepper.topology(), stepper.motion(), test::kAllObjects, kSeparation}, {}, "NavCCD");
+  const StepResult without = test::run_step({stepper.topology(), stepper.motion(), test::kAllObjects, 0}, {}, "NavCCD");
   std::size_t linear = 0, query = 0;
+  double without_ms = 0;
   for (const json& row : rows) {
     if (row.at("motion_model") == "linear") {
       EXPECT_EQ(row.at("separation"), 0);
       linear += row.at("contacts").get<std::size_t>();
+      continue;
+    }
+    if (row.at("variant") == "without separation") {
+      EXPECT_EQ(row.at("separation"), 0);
+      EXPECT_EQ(row.at("contacts"), without.contacts.size());
+      without_ms = 1e3 * (row.at("seconds").get<double>() + row.at("topology_seconds").get<double>());
       continue;
     }
     EXPECT_EQ(row.at("separation"), kSeparation);
@@ -100,6 +108,9 @@ TEST_F(QueryMotion, RowsHaveTheContactsWithinTheSeparation) {
   EXPECT_EQ(tests.size(), 3u) << "alone, without adjacent pairs, filtered";
   EXPECT_LT(tests.at("feature-filter=feature-kdop,coplanarity"), tests.at(""));
   EXPECT_GT(summary[0].at("speedup_navccd_filtered_plus").get<double>(), 0);
+  EXPECT_NEAR(summary[1].at("separation_costs_plus").get<double>(),
+              summary[1].at("volccd_plus_ms").get<double>() / without_ms, 1e-9)
+      << "with over without";
   for (const char* key : {"hashccd_ms", "speedup_hashccd_plus", "navccd_filtered_ms"})
     EXPECT_FALSE(summary[1].contains(key)) << key << ": fewer pipelines run on queries";
   expect_described(summary[1], "table1_summary");
