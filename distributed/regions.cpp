@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -41,6 +43,15 @@ Cut best_cut(std::span<const Vec3> points, std::span<const double> weights, std:
   return best;
 }
 
+/// Sorts points by a coordinate, and those that have the same one by their numbers.
+void sort_along(std::span<const Vec3> points, int axis, std::span<std::size_t> order) {
+  std::vector<std::pair<double, std::size_t>> keys;
+  keys.reserve(order.size());
+  for (const std::size_t i : order) keys.emplace_back(points[i][axis], i);
+  std::ranges::sort(keys);
+  std::ranges::transform(keys, order.begin(), &std::pair<double, std::size_t>::second);
+}
+
 }  // namespace
 
 Regions::Regions(std::span<const Vec3> points, std::span<const double> weights, int ranks) {
@@ -66,7 +77,7 @@ int Regions::divide(std::span<const Vec3> points, std::span<const double> weight
       box.high = box.high.cwiseMax(points[i]);
     }
     (box.high / 2 - box.low / 2).maxCoeff(&axis);  // halves, which do not overflow
-    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return points[i][axis]; });
+    sort_along(points, axis, order);
     cut = best_cut(points, weights, order, axis, static_cast<double>(ranks_below) / ranks);
   }
   if (cut.below == 0) {

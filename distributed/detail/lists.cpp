@@ -15,7 +15,7 @@ namespace volccd::distributed::detail {
 namespace {
 
 /// Centres that ranks give to divide space, at most, as every rank sorts them: so many in all, or of each rank.
-constexpr std::size_t kAllSamples = std::size_t{1} << 17, kSamples = 512;
+constexpr std::size_t kAllSamples = std::size_t{1} << 15, kSamples = 512;
 
 constexpr double kMax = std::numeric_limits<double>::max();
 
