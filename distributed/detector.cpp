@@ -301,7 +301,7 @@ void Detector::State::make_piece(const ReceivedElements& received) {
                const StageTimer timer(clock, seconds);
                serves = piece.serves(received.elements, piece_config);
                changed = serves ? 0 : 1;
-               if (!serves && runner->pipeline().uses_halo()) find_cut(received, cut, owners);
+               if (!serves && runner->pipeline().uses_cut_stars()) find_cut(received, cut, owners);
              },
              {&changed, 1});
   if (changed == 0 && import_made) return;

@@ -45,20 +45,18 @@ std::vector<OwnedVertex> vertices_of(std::initializer_list<const ReceivedElement
   return all;
 }
 
-/// The numbers of the elements whose ids are not among `ids`, which are ascending.
-std::vector<std::size_t> elements_not_in(std::span<const std::int64_t> ids, const Elements& elements) {
-  std::vector<std::size_t> numbers;
-  for (std::size_t i = 0; i < elements.size(); ++i)
-    if (!std::ranges::binary_search(ids, elements.ids[i])) numbers.push_back(i);
-  return numbers;
-}
-
-/// Marks all vertices of the elements but those of the halo: the given ones of `stars`.
-void mark_complete(const Elements& elements, const Elements& stars, std::span<const std::size_t> halo,
-                   FunctionRef<Index(std::int64_t)> slot_of, std::vector<std::uint8_t>& complete) {
+/// Marks all vertices of the elements but those at which an element of their stars is not held (`held`: ids,
+/// ascending). Returns the number of those.
+std::uint64_t mark_complete(const Elements& elements, const Elements& stars, std::span<const std::int64_t> held,
+                            FunctionRef<Index(std::int64_t)> slot_of, std::vector<std::uint8_t>& complete) {
   for (const std::int64_t id : elements.vertices) complete[slot_of(id)] = 1;
-  for (const std::size_t i : halo)
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < stars.size(); ++i) {
+    if (std::ranges::binary_search(held, stars.ids[i])) continue;
     for (const std::int64_t id : stars.vertices_of(i)) complete[slot_of(id)] = 0;
+    ++count;
+  }
+  return count;
 }
 
 }  // namespace
@@ -84,19 +82,26 @@ void PieceMesh::build(const ReceivedElements& received, const ReceivedElements& 
   const auto slot_of = [&](std::int64_t id) {
     return static_cast<Index>(std::ranges::lower_bound(ids, id) - ids.begin());
   };
-  Mesh mesh;
-  mesh.add_vertices(ids);
-  for (std::size_t i = 0; i < received.elements.size(); ++i) mesh.add_element(received.elements.spec(i, slot_of));
-  topology_.emplace(mesh, executor, config.edge_set);
+  const auto mesh_of = [&](const Elements& elements, auto&& keep) {
+    Mesh mesh;
+    mesh.add_vertices(ids);
+    for (std::size_t i = 0; i < elements.size(); ++i)
+      if (keep(i)) mesh.add_element(elements.spec(i, slot_of));
+    return mesh;
+  };
+  topology_.emplace(mesh_of(received.elements, [](std::size_t) { return true; }), executor, config.edge_set);
   complete_.assign(ids.size(), 0);
   for (std::size_t i = 0; i < received.complete.size(); ++i)
     if (received.complete[i] != 0) complete_[slot_of(received.elements.vertices[i])] = 1;
   if (stars.elements.size() > 0) {
-    const std::vector<std::size_t> halo = elements_not_in(held, stars.elements);
-    mark_complete(received.elements, stars.elements, halo, slot_of, complete_);
-    for (const std::size_t i : halo) mesh.add_element(stars.elements.spec(i, slot_of));
-    halo_ = halo.size();
-    if (halo_ > 0) with_halo_.emplace(std::move(mesh), executor, config.edge_set);
+    halo_ = mark_complete(received.elements, stars.elements, held, slot_of, complete_);
+    const auto is_cut = [&](std::int64_t id) {
+      const Index v = slot_of(id);
+      return complete_[v] == 0 && !topology_->features().vertex_elements(v).empty();
+    };
+    Mesh others = mesh_of(stars.elements,
+                          [&](std::size_t i) { return std::ranges::any_of(stars.elements.vertices_of(i), is_cut); });
+    if (others.element_count() > 0) cut_stars_.emplace(std::move(others), executor, config.edge_set);
   }
   ids_ = std::move(held);
 }

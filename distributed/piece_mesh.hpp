@@ -41,8 +41,7 @@ class PieceMesh {
   /// elements).
   bool serves(const Elements& elements, const Config& config) const;
   /// Makes this the piece of the given elements. `stars`: none, or all elements at the vertices that are not marked as
-  /// complete; those that turn out to be complete are marked, and the others are the halo. Time O(elements log
-  /// elements).
+  /// complete; those that turn out to be complete are marked. Time O(elements log elements).
   void build(const ReceivedElements& received, const ReceivedElements& stars, const Config& config, Executor& executor);
   /// The piece serves for no elements.
   void clear() { *this = {}; }
@@ -51,8 +50,8 @@ class PieceMesh {
   /// Pre, here and below: not empty.
   const Topology& topology() const { return *topology_; }
   /// As a part of the mesh, all of space; valid as long as the piece.
-  Piece piece() const { return {.complete = complete_, .with_halo = with_halo_ ? &*with_halo_ : nullptr}; }
-  /// Number of elements in Piece::with_halo that the piece itself does not have; 0 for an empty piece.
+  Piece piece() const { return {.complete = complete_, .cut_stars = cut_stars_ ? &*cut_stars_ : nullptr}; }
+  /// Number of elements in Piece::cut_stars that the piece itself does not have; 0 for an empty piece.
   std::uint64_t halo() const { return halo_; }
   /// Ids of the vertices, ascending, and the owner of each: kNoRank for one that completes a group, if no element uses
   /// it.
@@ -66,7 +65,7 @@ class PieceMesh {
   std::vector<std::int64_t> ids_;       ///< of the elements, ascending
   std::vector<int> owners_;             ///< by vertex slot
   std::vector<std::uint8_t> complete_;  ///< by vertex slot
-  std::optional<Topology> topology_, with_halo_;
+  std::optional<Topology> topology_, cut_stars_;
   std::uint64_t halo_ = 0;
 };
 

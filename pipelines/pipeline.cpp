@@ -80,8 +80,8 @@ Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec)
   separating_narrow_phases_ = narrow_phases_that(registry, [](const NarrowPhase& n) { return n.handles_separation(); });
 }
 
-bool Pipeline::uses_halo() const {
-  return std::ranges::any_of(stages_, [](const Stage* stage) { return stage->uses_halo(); });
+bool Pipeline::uses_cut_stars() const {
+  return std::ranges::any_of(stages_, [](const Stage* stage) { return stage->uses_cut_stars(); });
 }
 
 Workspace Pipeline::make_workspace() const {

@@ -80,8 +80,8 @@ class Pipeline {
   const PipelineSpec& spec() const { return spec_; }
   /// The weakest guarantee among the stages.
   Guarantee guarantee() const { return guarantee_; }
-  /// Whether a stage reads Piece::with_halo.
-  bool uses_halo() const;
+  /// Whether a stage reads Piece::cut_stars.
+  bool uses_cut_stars() const;
 
   Workspace make_workspace() const;
 

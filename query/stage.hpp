@@ -50,8 +50,8 @@ class Stage {
     (void)step, (void)state, (void)executor;
   }
 
-  /// Whether it reads Piece::with_halo. Ranks exchange these elements only for a pipeline with such a stage.
-  virtual bool uses_halo() const { return false; }
+  /// Whether it reads Piece::cut_stars. Ranks exchange these elements only for a pipeline with such a stage.
+  virtual bool uses_cut_stars() const { return false; }
 
   /// Appends what the stage measured in the last step besides its inputs, outputs and times (Statistics).
   virtual void append_counters(const StageState& state, std::vector<StageCounter>& out) const {

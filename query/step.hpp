@@ -25,10 +25,10 @@ struct Piece {
   /// stage that leaves a step to others because of a share of the elements or vertices takes that share of complete
   /// vertices, and of elements all of whose vertices are complete.
   std::span<const std::uint8_t> complete = {};
-  /// Not null: begins with the elements of the topology, in the same slots, and has all other elements of the mesh at
-  /// their vertices (the halo), so that stars can be classified as in the mesh (docs/clear_stars.md). Both topologies
-  /// have the same vertices, and neither is edited.
-  const Topology* with_halo = nullptr;
+  /// Not null: all elements of the mesh at the vertices that are not complete but have an element of the topology, so
+  /// that their stars can be classified as in the mesh (docs/clear_stars.md). Vertices have the slots of the topology,
+  /// which also has those of these elements. Changes only together with `complete`.
+  const Topology* cut_stars = nullptr;
   /// Contacts whose features have their reference point outside need not be found: a stage may drop these tests. All of
   /// space where candidates are collected, which serve other motions.
   Region region = {};

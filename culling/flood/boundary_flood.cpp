@@ -36,7 +36,7 @@ struct BoundaryFloodState final : StageState {
 
   const BroadPhase* broad_phase;
   std::unique_ptr<StageState> parts_state, simplices_state;  ///< of the broad phase; the second if it was ever needed
-  detail::SimplexComplex complex, with_halo;                 ///< of the topology, and of Piece::with_halo
+  detail::SimplexComplex complex, cut_stars;                 ///< of the topology, and of Piece::cut_stars
   detail::VertexStars stars;
   detail::SuspectPairs suspects;
   detail::SuspectOrphans orphans;
@@ -58,7 +58,7 @@ struct BoundaryFloodState final : StageState {
 
   std::size_t bytes() const override {
     return (parts_state ? parts_state->bytes() : 0) + (simplices_state ? simplices_state->bytes() : 0) +
-           heap_bytes(complex, with_halo, stars, suspects, orphans, outer, counted, counted_complete, start_scratch,
+           heap_bytes(complex, cut_stars, stars, suspects, orphans, outer, counted, counted_complete, start_scratch,
                       seen, seen_at_start, front, reached, workers);
   }
 };
@@ -242,7 +242,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   // Object ids change along a chain of pairs only where objects share vertices. In that case only the tests are
   // filtered.
   state.filter = topology.objects_share_vertices() ? ObjectFilter() : step.filter;
-  if (step.piece.with_halo) state.with_halo.update(*step.piece.with_halo, executor);
+  if (step.piece.cut_stars) state.cut_stars.update(*step.piece.cut_stars, executor);
   state.step.emplace(Step{.topology = topology,
                           .motion = step.motion,
                           .filter = state.filter,
@@ -250,7 +250,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
                           .t_max = step.t_max,
                           .range = PairRange::nonadjacent,
                           .piece = {.complete = step.piece.complete,
-                                    .with_halo = step.piece.with_halo ? &state.with_halo.topology() : nullptr}});
+                                    .cut_stars = step.piece.cut_stars ? &state.cut_stars.topology() : nullptr}});
   // The region is all of space: chains lead into that of the step.
   state.stars.update(*state.step, executor);
   state.counters.simplices = topology.mesh().element_count();

@@ -54,7 +54,7 @@ class BoundaryFlood final : public Flood {
 
   std::unique_ptr<StageState> make_state_with(const BroadPhase& broad_phase) const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;
-  bool uses_halo() const override { return true; }
+  bool uses_cut_stars() const override { return true; }
   bool takes(const StageState& state, bool overlaps) const override;
   const Step& step(const StageState& state) const override;
   Round next_round(const Step& step, StageState& state, std::size_t number, Executor& executor) const override;

@@ -112,8 +112,8 @@ void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& e
   state.counters = {};
   count_elements(step, state, executor);
   if (state.volumes) {
-    Step alone = step;  // in a region, few pairs at a cut have orphans: less work than its halo
-    alone.piece.with_halo = nullptr;
+    Step alone = step;  // in a region, few pairs at a cut have orphans: less work than the other elements at the cut
+    alone.piece.cut_stars = nullptr;
     state.stars.update(alone, executor);
     state.counters.suspect_vertices = state.stars.suspects().size();
     state.counters.by_stars = detail::few_suspects(step, state.stars.suspects(), config_.max_suspect_fraction);

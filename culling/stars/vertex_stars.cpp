@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <stdexcept>
 #include <utility>
 
 #include <volccd/culling/stars/detail/direction_cones.hpp>
@@ -73,14 +72,6 @@ bool cones_exclude(const Step& step, Index v, bool mirrored, const Vec3& up) {
   bool none = true;
   visit_cones(step, v, mirrored, [&](const DirectionCone& cone) { none = none && cone.excludes(up); });
   return none;
-}
-
-/// Throws std::logic_error unless `all` begins with the elements of `part`.
-void check_slots(const Mesh& part, const Mesh& all) {
-  bool same = part.vertex_count() == all.vertex_count() && part.element_slots() <= all.element_slots();
-  for (Index o = 0; same && o < part.element_slots(); ++o)
-    same = part.type(o) == all.type(o) && std::ranges::equal(part.vertices(o), all.vertices(o));
-  if (!same) throw std::logic_error("Piece::with_halo does not begin with the elements of the topology");
 }
 
 }  // namespace
@@ -183,34 +174,30 @@ bool VertexStars::examine_star(const Step& step, Index v, RingSides& scratch) {
   return known_[v] == Known::surrounded;
 }
 
-/// Updates the tables of the step's topology and of `all`, with which stars are classified: that topology, or
-/// Piece::with_halo. Returns how much of `all` has changed; everything after an update that was interrupted.
-TopologyDelta::Extent VertexStars::update_tables(const Step& step, const Topology& all, Executor& executor) {
-  const bool halo = &all != &step.topology;
-  TopologyDelta::Extent changed = table_.update(all, executor);
-  if (!std::exchange(complete_, false)) changed = TopologyDelta::Extent::everything;
-  if (halo && !part_) part_ = std::make_unique<StarTable>();
-  if (!halo) part_.reset();
-  if (halo &&
-      (part_->update(step.topology, executor) != TopologyDelta::Extent::none || changed != TopologyDelta::Extent::none))
-    check_slots(step.mesh(), all.mesh());
-  return changed;
-}
-
-/// Determines whose stars are classified, of all vertices. Returns whether they are other ones than before.
-bool VertexStars::set_judged(Index vertices) {
-  bool changed = judged_.size() != vertices;
-  judged_.resize(vertices, 0);
+/// Determines whose stars are classified: those of vertices in use for which is_judged(v). Returns whether they are
+/// other ones than before.
+template <class IsJudged>
+bool VertexStars::set_judged(const Step& step, IsJudged&& is_judged) {
+  bool changed = judged_.size() != step.motion.vertex_count();
+  judged_.resize(step.motion.vertex_count(), 0);
   for (Index v = 0; v < judged_.size(); ++v) {
-    const std::uint8_t judged = table().kind(v) != StarKind::unused ? 1 : 0;
+    const std::uint8_t judged = table_.kind(v) != StarKind::unused && is_judged(v) ? 1 : 0;
     changed = changed || judged != judged_[v];
     judged_[v] = judged;
   }
   return changed;
 }
 
-/// `step`: of the topology with which stars are classified.
-void VertexStars::classify(const Step& step, Executor& executor) {
+template <class IsJudged>
+void VertexStars::classify(const Step& step, Executor& executor, IsJudged&& is_judged) {
+  TopologyDelta::Extent changed = table_.update(step.topology, executor);
+  // An update that was interrupted leaves nothing to the next one.
+  if (!std::exchange(complete_, false)) changed = TopologyDelta::Extent::everything;
+  if (set_judged(step, is_judged) || changed != TopologyDelta::Extent::none)
+    rings_.set_faces(step.mesh(), table_.boundary_faces(step.topology, judged_));
+  find_signs(step, signs_, executor);
+  find_all_positive(step, executor);
+  invalidate_known(step, changed, executor);
   rings_.find_folds(step, executor, folds_);
   suspect_.resize(known_.size());
   scratch_.resize(executor.workers());
@@ -221,24 +208,23 @@ void VertexStars::classify(const Step& step, Executor& executor) {
       if (judged_[v] == 0) known_[v] = Known::nothing;
     }
   });
+  complete_ = true;
 }
 
 void VertexStars::update(const Step& step, Executor& executor) {
-  const Step all{.topology = step.piece.with_halo ? *step.piece.with_halo : step.topology,
-                 .motion = step.motion,
-                 .filter = step.filter,
-                 .separation = step.separation};
-  const TopologyDelta::Extent changed = update_tables(step, all.topology, executor);
-  if (set_judged(step.motion.vertex_count()) || changed != TopologyDelta::Extent::none)
-    rings_.set_faces(all.mesh(), table_.boundary_faces(all.topology, judged_));
-  find_signs(all, signs_, executor);
-  find_all_positive(all, executor);
-  invalidate_known(all, changed, executor);
-  classify(all, executor);
+  const Piece& piece = step.piece;
+  classify(step, executor, [&](Index v) { return !piece.cut_stars || piece.is_complete(v); });
+  if (piece.cut_stars) {
+    if (!cut_stars_) cut_stars_ = std::make_unique<VertexStars>();
+    const Step all{
+        .topology = *piece.cut_stars, .motion = step.motion, .filter = step.filter, .separation = step.separation};
+    cut_stars_->classify(all, executor,
+                         [&](Index v) { return !piece.is_complete(v) && table_.kind(v) != StarKind::unused; });
+    for (std::size_t v = 0; v < suspect_.size(); ++v) suspect_[v] |= cut_stars_->suspect_[v];
+  }
   suspects_.clear();
   for (Index v = 0; v < suspect_.size(); ++v)
     if (suspect_[v] != 0) suspects_.push_back(v);
-  complete_ = true;
 }
 
 }  // namespace volccd::detail

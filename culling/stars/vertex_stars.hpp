@@ -26,12 +26,11 @@ namespace volccd::detail {
 /// throughout both steps and, if the next step does not begin at the positions where the last one ended, throughout the
 /// straight motion between them.
 ///
-/// Where the step has a Piece::with_halo, stars are classified there, with all elements of the mesh, and what is proven
-/// holds for their parts in the topology as well. Not thread-safe; uses the executor.
+/// Where the step has a Piece::cut_stars, a star that is not complete is classified as it is there, with all elements
+/// of the mesh, and what is proven holds for its part in the topology as well. Not thread-safe; uses the executor.
 class VertexStars {
  public:
-  /// Classifies the stars of the step's topology. O(elements). Throws std::logic_error if Piece::with_halo does not
-  /// begin with the elements of the topology.
+  /// Classifies the stars of the step's topology. O(elements).
   void update(const Step& step, Executor& executor);
 
   /// Whether the star of v is not clear.
@@ -42,22 +41,22 @@ class VertexStars {
   int volume_sign(Index tetrahedron) const {
     return (signs_[tetrahedron].positive & 1) != 0 ? 1 : (signs_[tetrahedron].negative & 1) != 0 ? -1 : 0;
   }
-  /// Of the step's topology.
-  const StarTable& table() const { return part_ ? *part_ : table_; }
+  const StarTable& table() const { return table_; }
 
   std::size_t bytes() const {
     return heap_bytes(table_, rings_, judged_, folds_, suspect_, known_, all_positive_, signs_, gap_signs_, scratch_,
                       gap_, suspects_) +
-           (part_ ? sizeof *part_ + part_->bytes() : 0);
+           (cut_stars_ ? sizeof *cut_stars_ + cut_stars_->bytes() : 0);
   }
 
  private:
   /// Of condition 4. What is not proven at one time is not examined again where it cannot have changed.
   enum class Known : std::uint8_t { nothing, surrounded, not_proven };
 
-  TopologyDelta::Extent update_tables(const Step& step, const Topology& all, Executor& executor);
-  bool set_judged(Index vertices);
-  void classify(const Step& step, Executor& executor);
+  template <class IsJudged>
+  bool set_judged(const Step& step, IsJudged&& is_judged);
+  template <class IsJudged>
+  void classify(const Step& step, Executor& executor, IsJudged&& is_judged);
   void find_signs(const Step& step, std::vector<ConeSigns>& signs, Executor& executor) const;
   void find_all_positive(const Step& step, Executor& executor);
   void invalidate_known(const Step& step, TopologyDelta::Extent changed, Executor& executor);
@@ -66,10 +65,9 @@ class VertexStars {
   bool surrounds_once(const Step& step, Index v, int sign, RingSides& scratch) const;
   bool examine_star(const Step& step, Index v, RingSides& scratch);
 
-  StarTable table_;                  ///< of the elements with which stars are classified
-  std::unique_ptr<StarTable> part_;  ///< of the step's topology, if that is a part of them; otherwise null
+  StarTable table_;
   BoundaryRings rings_;
-  std::vector<std::uint8_t> judged_;           ///< by vertex: whether the step's topology has elements at it
+  std::vector<std::uint8_t> judged_;           ///< by vertex: whether its star is classified here
   std::vector<std::uint8_t> folds_, suspect_;  ///< by vertex
   std::vector<Known> known_;                   ///< by vertex
   std::vector<std::uint8_t> all_positive_;     ///< by vertex: whether the volumes at it are all proven to be positive
@@ -77,7 +75,8 @@ class VertexStars {
   std::vector<RingSides> scratch_;             ///< by worker
   Motion gap_;  ///< its start: where the last step ended; its end, if it was needed: the start of this one
   std::vector<Index> suspects_;
-  bool complete_ = false;  ///< whether the last update has ended
+  bool complete_ = false;                   ///< whether the last update has ended
+  std::unique_ptr<VertexStars> cut_stars_;  ///< of Piece::cut_stars, for the stars that are not complete; null without
 };
 
 }  // namespace volccd::detail

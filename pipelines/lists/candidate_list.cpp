@@ -44,7 +44,7 @@ bool CandidateList::build(const Pipeline& pipeline, const Step& step, Workspace&
              .filter = step.filter,
              .separation = separation(step.separation, budget),
              .leave_out_shell_neighbours = step.leave_out_shell_neighbours,
-             .piece = {.complete = step.piece.complete, .with_halo = step.piece.with_halo}};
+             .piece = {.complete = step.piece.complete, .cut_stars = step.piece.cut_stars}};
   StepResult result;
   pipeline.run(ahead, workspace, executor, result, {.count_adjacent = false, .candidates = &tests_[0]});
   for (lists_ = 1; lists_ < kLists; ++lists_) {

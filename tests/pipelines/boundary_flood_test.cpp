@@ -36,8 +36,8 @@ std::size_t compare_parts(const FloodScene& scene, Random& random, const std::st
       const Vec3 x = scene.linear.point(scene.topology.mesh().vertices(o)[0], 0) - Vec3(1, 1, 1);
       return k == 0 ? random.uniform() < share : x.dot(side) > 0;
     });
-    if (part.topology->mesh().element_count() == 0) continue;
-    Step step{*part.topology, scene.linear, kNoFilter};
+    if (part.topology.mesh().element_count() == 0) continue;
+    Step step{part.topology, scene.linear, kNoFilter};
     step.piece = part.piece();
     contacts += flood.compare(step, what + ", a part");
     step.separation = random.uniform(0, 0.1);

@@ -1,6 +1,7 @@
-// A part of a mesh, with the elements around it.
+// A part of a mesh, with the stars at its cut.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -10,39 +11,31 @@
 
 namespace volccd::test {
 
-/// The elements of a topology for which keep(slot) is true, with the same vertices.
+/// The elements of a topology for which keep(slot) is true, in the same slots and with the same vertices.
 struct Cut {
   template <class Keep>
-  Cut(const Topology& whole, Keep&& keep) : complete(whole.mesh().vertex_count(), 1) {
+  Cut(const Topology& whole, Keep&& keep)
+      : topology(whole.mesh(), whole.features().edge_set()), complete(whole.mesh().vertex_count(), 0) {
     const Mesh& mesh = whole.mesh();
-    const EdgeSet edge_set = whole.features().edge_set();
-    Mesh part;
-    part.add_vertices(mesh.vertex_ids());
-    std::vector<Index> others;
-    for (Index o = 0; o < mesh.element_slots(); ++o) {
-      if (!mesh.is_live(o)) continue;
-      if (keep(o))
-        part.add_element(mesh.spec(o));
-      else
-        others.push_back(o);
-    }
-    topology.emplace(part, edge_set);
-    bool halo = false;
-    for (const Index o : others) {
-      bool meets = false;
-      for (const Index v : mesh.vertices(o)) {
-        complete[v] = 0;
-        meets = meets || !topology->features().vertex_elements(v).empty();
-      }
-      if (meets) part.add_element(mesh.spec(o)), halo = true;
-    }
-    if (halo) with_halo.emplace(std::move(part), edge_set);
+    TopologyEdit rest, others;
+    for (Index o = 0; o < mesh.element_slots(); ++o)
+      if (mesh.is_live(o) && !keep(o)) rest.removed.push_back(o);
+    topology.apply(rest);
+    const auto count = [](const Topology& t, Index v) { return t.features().vertex_elements(v).size(); };
+    for (Index v = 0; v < mesh.vertex_count(); ++v) complete[v] = count(topology, v) == count(whole, v) ? 1 : 0;
+    const auto is_cut = [&](Index v) { return complete[v] == 0 && count(topology, v) > 0; };
+    for (Index o = 0; o < mesh.element_slots(); ++o)
+      if (mesh.is_live(o) && std::ranges::none_of(mesh.vertices(o), is_cut)) others.removed.push_back(o);
+    if (others.removed.size() == mesh.element_count()) return;
+    cut_stars.emplace(mesh, whole.features().edge_set());
+    cut_stars->apply(others);
   }
 
-  Piece piece() const { return {.complete = complete, .with_halo = with_halo ? &*with_halo : nullptr}; }
+  Piece piece() const { return {.complete = complete, .cut_stars = cut_stars ? &*cut_stars : nullptr}; }
 
-  std::optional<Topology> topology, with_halo;
+  Topology topology;
   std::vector<std::uint8_t> complete;
+  std::optional<Topology> cut_stars;
 };
 
 }  // namespace volccd::test
