@@ -27,7 +27,7 @@ struct Piece {
   std::span<const std::uint8_t> complete = {};
   /// Not null: all elements of the mesh at the vertices that are not complete but have an element of the topology, so
   /// that their stars can be classified as in the mesh (docs/clear_stars.md). Vertices have the slots of the topology,
-  /// which also has those of these elements. Changes only together with `complete`.
+  /// which also has those of these elements. `complete` changes only with one of the two.
   const Topology* cut_stars = nullptr;
   /// Contacts whose features have their reference point outside need not be found: a stage may drop these tests. All of
   /// space where candidates are collected, which serve other motions.

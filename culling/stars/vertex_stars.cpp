@@ -1,63 +1,14 @@
 #include <volccd/culling/stars/vertex_stars.hpp>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <utility>
-
-#include <volccd/culling/stars/detail/direction_cones.hpp>
 
 namespace volccd::detail {
 
 namespace {
 
-constexpr std::size_t kElementGrain = 1024, kStarGrain = 256, kVertexGrain = 4096;
-
-/// The place of the vertex of smallest slot in an element.
-std::size_t min_vertex(std::span<const Index> vertices) {
-  return static_cast<std::size_t>(std::min_element(vertices.begin(), vertices.end()) - vertices.begin());
-}
-
-/// The bits of all vertices of an element (ConeSigns), or 0 if it has too many.
-unsigned all_bits(std::span<const Index> vertices) { return vertices.size() <= 8 ? (1u << vertices.size()) - 1 : 0; }
-
-/// Calls visit(cone) for the cones of directions from v into the elements at v, at t = 0: one for each boundary
-/// triangle on a face without v.
-template <class Visit>
-void visit_cones(const Step& step, Index v, bool mirrored, Visit&& visit) {
-  const Vec3 at = step.motion.point(v, 0);
-  const auto visit_triangle = [&](Index a, Index b, Index c) {
-    const auto way = [&](Index w) -> Vec3 { return step.motion.point(w, 0) - at; };
-    visit(DirectionCone{way(a), way(mirrored ? c : b), way(mirrored ? b : c)});
-  };
-  for (const Index o : step.features().vertex_elements(v)) {
-    if (step.mesh().type(o) == ElementType::tetrahedron) {
-      const std::span<const Index> vertices = step.mesh().vertices(o);
-      const auto i = static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin());
-      const std::array<Index, 3> face = face_opposite(vertices, i);
-      visit_triangle(face[0], face[1], face[2]);
-      continue;
-    }
-    visit_faces(step.mesh(), o, [&](std::span<const Index> face, std::size_t) {
-      if (std::find(face.begin(), face.end(), v) != face.end()) return;
-      const auto first = static_cast<std::size_t>(std::min_element(face.begin(), face.end()) - face.begin());
-      const auto vertex = [&](std::size_t i) { return face[(first + i) % face.size()]; };
-      for (std::size_t i = 1; i + 1 < face.size(); ++i) visit_triangle(vertex(0), vertex(i), vertex(i + 1));
-    });
-  }
-}
-
-/// Whether the cones at v surround it exactly once: a direction in the first one is in no other.
-bool cones_go_once_around(const Step& step, Index v, bool mirrored) {
-  bool first = true, once = true;
-  Vec3 direction;
-  visit_cones(step, v, mirrored, [&](const DirectionCone& cone) {
-    if (first) direction = cone.a + cone.b + cone.c;
-    once = once && (first ? cone.contains(direction) : cone.excludes(direction));
-    first = false;
-  });
-  return once;
-}
+constexpr std::size_t kVertexGrain = 4096;
 
 /// Calls use(v) for every vertex; all workers take part.
 template <class Use>
@@ -67,41 +18,17 @@ void for_vertices(const Motion& motion, Executor& executor, Use&& use) {
   });
 }
 
-/// Whether the direction `up` is in no cone at v.
-bool cones_exclude(const Step& step, Index v, bool mirrored, const Vec3& up) {
-  bool none = true;
-  visit_cones(step, v, mirrored, [&](const DirectionCone& cone) { none = none && cone.excludes(up); });
-  return none;
+/// The step of the stars on the cut.
+Step at_cut(const Step& step) {
+  return {
+      .topology = *step.piece.cut_stars, .motion = step.motion, .filter = step.filter, .separation = step.separation};
 }
 
 }  // namespace
 
-void VertexStars::find_signs(const Step& step, std::vector<ConeSigns>& signs, Executor& executor) const {
-  signs.resize(step.mesh().element_slots());
-  executor.parallel_for(signs.size(), kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    cone_signs(step, static_cast<Index>(begin), static_cast<Index>(end), signs.data());
-  });
-}
-
-/// Nearly all elements of most meshes have positive cones, so that this pass writes hardly anything.
-void VertexStars::find_all_positive(const Step& step, Executor& executor) {
-  all_positive_.assign(step.motion.vertex_count(), 1);
-  executor.parallel_for(signs_.size(), kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t o = begin; o < end; ++o) {
-      const std::span<const Index> vertices = step.mesh().vertices(static_cast<Index>(o));
-      const unsigned positive = signs_[o].positive, all = all_bits(vertices);
-      if (positive == all && all != 0) continue;
-      const bool inverted = all == 0 || (positive >> min_vertex(vertices) & 1) == 0;
-      for (std::size_t i = 0; i < vertices.size(); ++i)
-        if (inverted || (positive >> i & 1) == 0)
-          std::atomic_ref(all_positive_[vertices[i]]).store(0, std::memory_order_relaxed);
-    }
-  });
-}
-
-/// Makes gap_ the motion from the end of the last step to the start of this one. Vertices that the last step did not
-/// have do not move in it. Returns whether any vertex does.
-bool VertexStars::find_gap(const Motion& motion, Executor& executor) {
+/// The motion from the end of the last step to the start of this one; null if no vertex moves in it. Vertices that the
+/// last step did not have do not.
+const Motion* VertexStars::find_gap(const Motion& motion, Executor& executor) {
   const Index before = gap_.vertex_count();
   if (before != motion.vertex_count()) {
     Motion gap(motion.vertex_count(), 2);
@@ -113,118 +40,47 @@ bool VertexStars::find_gap(const Motion& motion, Executor& executor) {
     if (!moved.load(std::memory_order_relaxed) && gap_.point(v, 0) != motion.point(v, 0))
       moved.store(true, std::memory_order_relaxed);  // once, as workers share its cache line
   });
-  if (moved) for_vertices(gap_, executor, [&](Index v) { gap_.set(v, 1, motion.point(v, 0)); });
-  return moved;
+  if (!moved) return nullptr;
+  for_vertices(gap_, executor, [&](Index v) { gap_.set(v, 1, motion.point(v, 0)); });
+  return &gap_;
 }
 
-/// Invalidates what is known of condition 4 for stars that changed, or may have folded between the last step and this
-/// one. Those that may fold in this step follow in examine_star().
-void VertexStars::invalidate_known(const Step& step, TopologyDelta::Extent changed, Executor& executor) {
-  if (changed == TopologyDelta::Extent::everything) known_.clear(), gap_ = Motion();
-  known_.resize(step.motion.vertex_count(), Known::nothing);
-  for (const Index v : table_.changed_vertices()) known_[v] = Known::nothing;
-  const bool moved = find_gap(step.motion, executor);
-  if (moved) {
-    const Step gap{step.topology, gap_, step.filter};
-    rings_.find_folds(gap, executor, folds_);
-    for (std::size_t v = 0; v < known_.size(); ++v)
-      if (folds_[v] != 0) known_[v] = Known::nothing;
-    find_signs(gap, gap_signs_, executor);
-    for (Index o = 0; o < signs_.size(); ++o)  // stars that need the other signs are suspect in this step
-      if (!gap_signs_[o].include(signs_[o]))
-        for (const Index v : step.mesh().vertices(o)) known_[v] = Known::nothing;
-  }
-  const int end = step.motion.control_points() - 1;
-  for_vertices(gap_, executor, [&](Index v) { gap_.set(v, 0, step.motion.point(v, end)); });
-}
-
-/// The common sign of the cones at v and of the tetrahedra of the elements at v, throughout the step; 0 if there is
-/// none. The tetrahedra of an element are the cone of its vertex of smallest slot.
-int VertexStars::proven_sign(const Step& step, Index v) const {
-  if (all_positive_[v] != 0) return 1;
-  bool positive = true, negative = true;
-  for (const Index o : step.features().vertex_elements(v)) {
-    const std::span<const Index> vertices = step.mesh().vertices(o);
-    const auto place = static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin());
-    const unsigned bits = 1u << place | 1u << min_vertex(vertices);
-    positive = positive && (signs_[o].positive & bits) == bits;
-    negative = negative && (signs_[o].negative & bits) == bits;
-  }
-  return positive ? 1 : negative ? -1 : 0;
-}
-
-/// Condition 4. For shells only the ring has to go around once.
-bool VertexStars::surrounds_once(const Step& step, Index v, int sign, RingSides& scratch) const {
-  if (table_.kind(v) == StarKind::interior) return cones_go_once_around(step, v, sign < 0);
-  const Vec3 up = rings_.up(v);
-  return winds_once(step.motion, v, table_.ring(step.topology, v, scratch), up) &&
-         (StarTable::has_shells(step.topology, v) || cones_exclude(step, v, sign < 0, sign * up));
-}
-
-bool VertexStars::examine_star(const Step& step, Index v, RingSides& scratch) {
-  const StarKind kind = table_.kind(v);
-  const bool excluded = kind == StarKind::irregular || (kind == StarKind::ring && folds_[v] != 0);
-  const int sign = excluded ? 0 : proven_sign(step, v);
-  if (sign == 0) {
-    known_[v] = Known::nothing;
-    return false;
-  }
-  if (known_[v] == Known::nothing)
-    known_[v] = surrounds_once(step, v, sign, scratch) ? Known::surrounded : Known::not_proven;
-  return known_[v] == Known::surrounded;
-}
-
-/// Determines whose stars are classified: those of vertices in use for which is_judged(v). Returns whether they are
-/// other ones than before.
-template <class IsJudged>
-bool VertexStars::set_judged(const Step& step, IsJudged&& is_judged) {
-  bool changed = judged_.size() != step.motion.vertex_count();
-  judged_.resize(step.motion.vertex_count(), 0);
-  for (Index v = 0; v < judged_.size(); ++v) {
-    const std::uint8_t judged = table_.kind(v) != StarKind::unused && is_judged(v) ? 1 : 0;
-    changed = changed || judged != judged_[v];
-    judged_[v] = judged;
-  }
-  return changed;
-}
-
-template <class IsJudged>
-void VertexStars::classify(const Step& step, Executor& executor, IsJudged&& is_judged) {
-  TopologyDelta::Extent changed = table_.update(step.topology, executor);
-  // An update that was interrupted leaves nothing to the next one.
-  if (!std::exchange(complete_, false)) changed = TopologyDelta::Extent::everything;
-  if (set_judged(step, is_judged) || changed != TopologyDelta::Extent::none)
-    rings_.set_faces(step.mesh(), table_.boundary_faces(step.topology, judged_));
-  find_signs(step, signs_, executor);
-  find_all_positive(step, executor);
-  invalidate_known(step, changed, executor);
-  rings_.find_folds(step, executor, folds_);
-  suspect_.resize(known_.size());
-  scratch_.resize(executor.workers());
-  executor.parallel_for(suspect_.size(), kStarGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Index v = static_cast<Index>(i);
-      suspect_[v] = judged_[v] != 0 && !examine_star(step, v, scratch_[w]) ? 1 : 0;
-      if (judged_[v] == 0) known_[v] = Known::nothing;
-    }
-  });
-  complete_ = true;
+/// Updates the tables and, after a change, whose stars are classified with which elements.
+void VertexStars::sync(const Step& step, Executor& executor) {
+  const Piece& piece = step.piece;
+  const bool was_cut = cut_ != nullptr;
+  const TopologyDelta::Extent changed = own_.update(step.topology, executor);
+  if (changed == TopologyDelta::Extent::everything) gap_ = Motion(), cut_.reset();
+  if (!piece.cut_stars) cut_.reset();  // it would miss the steps until the next one with such stars
+  if (piece.cut_stars && !cut_) cut_ = std::make_unique<StarClassifier>();
+  const bool cut_changed = cut_ ? cut_->update(*piece.cut_stars, executor) != TopologyDelta::Extent::none : was_cut;
+  if (changed == TopologyDelta::Extent::none && !cut_changed) return;
+  std::vector<Index> own, cut;
+  for (Index v = 0; v < step.motion.vertex_count(); ++v)
+    if (own_.table().kind(v) != StarKind::unused) (cut_ && !piece.is_complete(v) ? cut : own).push_back(v);
+  own_.set_judged(step, std::move(own));
+  if (cut_) cut_->set_judged(at_cut(step), std::move(cut));
 }
 
 void VertexStars::update(const Step& step, Executor& executor) {
-  const Piece& piece = step.piece;
-  classify(step, executor, [&](Index v) { return !piece.cut_stars || piece.is_complete(v); });
-  if (piece.cut_stars) {
-    if (!cut_stars_) cut_stars_ = std::make_unique<VertexStars>();
-    const Step all{
-        .topology = *piece.cut_stars, .motion = step.motion, .filter = step.filter, .separation = step.separation};
-    cut_stars_->classify(all, executor,
-                         [&](Index v) { return !piece.is_complete(v) && table_.kind(v) != StarKind::unused; });
-    for (std::size_t v = 0; v < suspect_.size(); ++v) suspect_[v] |= cut_stars_->suspect_[v];
-  }
+  // An update that was interrupted leaves nothing to the next one.
+  if (!std::exchange(complete_, false)) own_ = StarClassifier(), cut_.reset(), gap_ = Motion();
+  sync(step, executor);
+  const Motion* const gap = find_gap(step.motion, executor);
+  own_.classify(step, gap, executor);
+  if (cut_) cut_->classify(at_cut(step), gap, executor);
+  const int end = step.motion.control_points() - 1;
+  for_vertices(gap_, executor, [&](Index v) { gap_.set(v, 0, step.motion.point(v, end)); });
+  suspect_.assign(step.motion.vertex_count(), 0);
   suspects_.clear();
-  for (Index v = 0; v < suspect_.size(); ++v)
-    if (suspect_[v] != 0) suspects_.push_back(v);
+  const auto collect = [&](const StarClassifier& stars) {
+    for (const Index v : stars.judged())
+      if (stars.suspect(v)) suspect_[v] = 1, suspects_.push_back(v);
+  };
+  collect(own_);
+  if (cut_) collect(*cut_);
+  std::sort(suspects_.begin(), suspects_.end());
+  complete_ = true;
 }
 
 }  // namespace volccd::detail

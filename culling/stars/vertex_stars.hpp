@@ -3,14 +3,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/culling/stars/detail/boundary_rings.hpp>
-#include <volccd/culling/stars/detail/cone_signs.hpp>
-#include <volccd/culling/stars/star_table.hpp>
+#include <volccd/culling/stars/star_classifier.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
@@ -39,44 +36,25 @@ class VertexStars {
 
   /// 1 or -1 if the volume of a tetrahedron is proven to be positive or negative throughout the step, otherwise 0.
   int volume_sign(Index tetrahedron) const {
-    return (signs_[tetrahedron].positive & 1) != 0 ? 1 : (signs_[tetrahedron].negative & 1) != 0 ? -1 : 0;
+    const ConeSigns& signs = own_.signs(tetrahedron);
+    return (signs.positive & 1) != 0 ? 1 : (signs.negative & 1) != 0 ? -1 : 0;
   }
-  const StarTable& table() const { return table_; }
+  const StarTable& table() const { return own_.table(); }
 
   std::size_t bytes() const {
-    return heap_bytes(table_, rings_, judged_, folds_, suspect_, known_, all_positive_, signs_, gap_signs_, scratch_,
-                      gap_, suspects_) +
-           (cut_stars_ ? sizeof *cut_stars_ + cut_stars_->bytes() : 0);
+    return heap_bytes(own_, gap_, suspect_, suspects_) + (cut_ ? sizeof *cut_ + cut_->bytes() : 0);
   }
 
  private:
-  /// Of condition 4. What is not proven at one time is not examined again where it cannot have changed.
-  enum class Known : std::uint8_t { nothing, surrounded, not_proven };
+  void sync(const Step& step, Executor& executor);
+  const Motion* find_gap(const Motion& motion, Executor& executor);
 
-  template <class IsJudged>
-  bool set_judged(const Step& step, IsJudged&& is_judged);
-  template <class IsJudged>
-  void classify(const Step& step, Executor& executor, IsJudged&& is_judged);
-  void find_signs(const Step& step, std::vector<ConeSigns>& signs, Executor& executor) const;
-  void find_all_positive(const Step& step, Executor& executor);
-  void invalidate_known(const Step& step, TopologyDelta::Extent changed, Executor& executor);
-  bool find_gap(const Motion& motion, Executor& executor);
-  int proven_sign(const Step& step, Index v) const;
-  bool surrounds_once(const Step& step, Index v, int sign, RingSides& scratch) const;
-  bool examine_star(const Step& step, Index v, RingSides& scratch);
-
-  StarTable table_;
-  BoundaryRings rings_;
-  std::vector<std::uint8_t> judged_;           ///< by vertex: whether its star is classified here
-  std::vector<std::uint8_t> folds_, suspect_;  ///< by vertex
-  std::vector<Known> known_;                   ///< by vertex
-  std::vector<std::uint8_t> all_positive_;     ///< by vertex: whether the volumes at it are all proven to be positive
-  std::vector<ConeSigns> signs_, gap_signs_;   ///< by element slot
-  std::vector<RingSides> scratch_;             ///< by worker
+  StarClassifier own_;                   ///< of the step's topology
+  std::unique_ptr<StarClassifier> cut_;  ///< of Piece::cut_stars, for the stars that are not complete; null without
   Motion gap_;  ///< its start: where the last step ended; its end, if it was needed: the start of this one
+  std::vector<std::uint8_t> suspect_;  ///< by vertex
   std::vector<Index> suspects_;
-  bool complete_ = false;                   ///< whether the last update has ended
-  std::unique_ptr<VertexStars> cut_stars_;  ///< of Piece::cut_stars, for the stars that are not complete; null without
+  bool complete_ = false;  ///< whether the last update has ended
 };
 
 }  // namespace volccd::detail

@@ -344,6 +344,33 @@ TEST(VertexStars, AreCheckedAgainAfterAJump) {
   EXPECT_TRUE(stars.suspect(0) && stars.suspect(1));
 }
 
+/// The same for stars on a cut, if the jump is in a step that has no stars on a cut, or if another part of the mesh
+/// follows it.
+TEST(VertexStars, OfACutAreCheckedAgainAfterAJump) {
+  SerialExecutor serial;
+  const Shape once = fan(6, 60 * kDegree, true), twice = fan(6, 120 * kDegree, true);
+  const Motion before = Motion::linear(once.positions, once.positions),
+               after = Motion::linear(twice.positions, twice.positions);
+  const Topology whole(once.mesh());
+  const test::Cut first(whole, [](Index o) { return o != 0; }), second(whole, [](Index o) { return o != 1; });
+  const auto step_of = [&](const test::Cut& part, const Motion& motion) {
+    Step step{part.topology, motion, kEveryObject};
+    step.piece = {.complete = part.complete, .cut_stars = &whole};
+    return step;
+  };
+  VertexStars stars;
+  stars.update(step_of(first, before), serial);
+  EXPECT_TRUE(stars.suspects().empty());
+  stars.update({first.topology, after, kEveryObject}, serial);
+  stars.update(step_of(first, after), serial);
+  EXPECT_TRUE(stars.suspect(0) && stars.suspect(1)) << "without stars on the cut";
+
+  stars.update(step_of(first, before), serial);
+  EXPECT_TRUE(stars.suspects().empty());
+  stars.update(step_of(second, after), serial);
+  EXPECT_TRUE(stars.suspect(0) && stars.suspect(1)) << "another part";
+}
+
 TEST(VertexStars, AreCheckedAgainAfterAnEdit) {
   SerialExecutor serial;
   const Shape whole = fan(4, 100 * kDegree, false);
