@@ -242,16 +242,19 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   // Object ids change along a chain of pairs only where objects share vertices. In that case only the tests are
   // filtered.
   state.filter = topology.objects_share_vertices() ? ObjectFilter() : step.filter;
-  if (step.piece.cut_stars) state.cut_stars.update(*step.piece.cut_stars, executor);
+  Piece piece = step.piece;
+  piece.region = {};  // chains lead from all of space into the region of the step
+  if (piece.cut_stars) {
+    state.cut_stars.update(*step.piece.cut_stars, executor);
+    piece.cut_stars = &state.cut_stars.topology();
+  }
   state.step.emplace(Step{.topology = topology,
                           .motion = step.motion,
                           .filter = state.filter,
                           .separation = step.separation,
                           .t_max = step.t_max,
                           .range = PairRange::nonadjacent,
-                          .piece = {.complete = step.piece.complete,
-                                    .cut_stars = step.piece.cut_stars ? &state.cut_stars.topology() : nullptr}});
-  // The region is all of space: chains lead into that of the step.
+                          .piece = piece});
   state.stars.update(*state.step, executor);
   state.counters.simplices = topology.mesh().element_count();
   state.counters.suspect_vertices = state.stars.suspects().size();

@@ -144,18 +144,18 @@ std::string same_contacts(const Comparison& c) {
   return result.empty() ? "yes" : result;
 }
 
-std::vector<std::string> header_of(const std::string& table, const std::string& model) {
+std::vector<std::string> header_of(const std::string& table, bool without_separation) {
   std::vector<std::string> header = {"scene", "elements", "steps", "NavCCD", "HashCCD", "VolCCD"};
   if (table == "c") header.push_back("VolCCD+");
   if (table == "b") header.push_back("2011");
   for (const char* name : {"/Nav", "paper, /Nav", "/Hash", "paper, /Hash"}) header.push_back(name);
   if (table == "c") header.insert(header.end(), {"+/Nav", "+/Hash"});
-  if (model == "query") header.push_back("+/+0");
+  if (without_separation) header.push_back("+/+0");
   return header;
 }
 
 /// The cells below header_of().
-std::vector<std::string> line_of(const std::string& table, const std::string& model, const std::string& scene,
+std::vector<std::string> line_of(const std::string& table, bool without_separation, const std::string& scene,
                                  const Comparison& c) {
   const auto paper = kPrintedRows.find(scene);
   const auto printed = [&](const char* PaperRow::*column) {
@@ -173,30 +173,30 @@ std::vector<std::string> line_of(const std::string& table, const std::string& mo
        {over_text(c.nav, c.vol), printed(&PaperRow::over_nav), over_text(c.hash, c.vol), printed(&PaperRow::over_hash)})
     line.push_back(cell);
   if (table == "c") line.insert(line.end(), {over_text(c.nav, c.plus), over_text(c.hash, c.plus)});
-  if (model == "query") line.push_back(over_text(c.plus, c.plus_without_separation));
+  if (without_separation) line.push_back(over_text(c.plus, c.plus_without_separation));
   return line;
 }
 
-std::string note_of(const std::string& table, const std::string& model) {
+std::string note_of(const std::string& table, const std::string& model, bool without_separation) {
   std::string note =
       "ms a step: mean over steps of medians over rounds, edits of the topology included; /Nav, /Hash: speed-up of "
       "VolCCD "
       "over them, with the 95 % interval over steps and rounds, and the paper's beside it";
   if (table == "c") note += "; +: of VolCCD+";
   if (table == "b") note += "; 2011: VolCCD-2011 with this test";
-  if (model == "query")
-    note +=
-        "; query: the last one of the simulation before each frame, with its separation; +/+0: time of "
-        "VolCCD+ over its time without the separation";
+  if (model == "query") note += "; query: the last one of the simulation before each frame, with its separation";
+  if (without_separation) note += "; +/+0: time of VolCCD+ over its time without the separation";
   return note + "\n";
 }
 
 TitledTable times(const Rows& rows, const std::string& table, const std::string& model, const std::string& edges) {
-  TextTable text(header_of(table, model));
+  const bool without_separation = !rows.with("variant", kWithoutSeparation).empty();
+  TextTable text(header_of(table, without_separation));
   for_each_line(rows, [&](const std::string& of, const std::string& scene, const Comparison& c) {
-    if (of == table && !c.nav.empty()) text.add(line_of(table, model, scene, c));
+    if (of == table && !c.nav.empty()) text.add(line_of(table, without_separation, scene, c));
   });
-  return {fmt::format("{}; {} motion, {} edges", title_of(table), model, edges), text, note_of(table, model)};
+  return {fmt::format("{}; {} motion, {} edges", title_of(table), model, edges), text,
+          note_of(table, model, without_separation)};
 }
 
 /// Contributions to the speed-up: fewer tests, a cheaper test, and the cost of the other stages.
