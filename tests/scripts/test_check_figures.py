@@ -75,6 +75,12 @@ class CheckFigures(unittest.TestCase):
             self.assertEqual(file.read(), page.replace("2.50", "1,234.50").replace("2.5\nms", "1,234.5\nms"))
         self.assertEqual(subprocess.run(command, capture_output=True, check=False).returncode, 0)
 
+    def test_drawings_of_other_records_are_found(self):
+        self.write("results/figures/new.svg", "<text>Commit</text><text>abc1234.</text>")
+        self.write("results/figures/old.svg", "<text>Commit 0123456.</text>")
+        self.write("results/other.json", json.dumps({"rows": [], "summary": [], "provenance": {"commit": "abc1234ff"}}))
+        self.check(1, says=["1 findings", "results/figures/old.svg:1: is of commit 0123456"])
+
     def test_figures_without_an_entry_are_found(self):
         for text, says in (("It is 12x faster.", "12 is bound to no record"), ("5 ms more.", "5 is bound"),
                            ("4,321 pairs", "4,321 is bound"), ("a factor of 1.07", "1.07 is bound"),
