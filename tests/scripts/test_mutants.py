@@ -61,6 +61,13 @@ class List(unittest.TestCase):
             with self.assertRaises(mutants.Failure):
                 list_of(bad)
 
+    def test_texts_that_cannot_be_compiled(self):
+        mutants.check_texts(mutant("m", "f(a);", ""))
+        mutants.check_texts(mutant("m", "a && f(b)", "a"))
+        for old, new in (("a", ""), ("a &&", "a"), ("if (a)", "if (false)"), ("f({.a = b}});", ""), ("a", "(b")):
+            with self.assertRaisesRegex(mutants.Failure, r"^\[m\]: "):
+                mutants.check_texts(mutant("m", old, new))
+
     def test_choice_by_pattern(self):
         every = [mutant(name, "x", "y") for name in ("a-1", "a-2", "b-1")]
         self.assertEqual([m.name for m in mutants.chosen(every, ["a-*", "b-1"])], ["a-1", "a-2", "b-1"])
