@@ -420,6 +420,22 @@ TEST(VertexStars, AnInterruptedStepIsBegunAnew) {
   for (int loop = 0; loop < 6; ++loop) EXPECT_EQ(suspects(loop), suspects(-1)) << loop;
 }
 
+/// What was known of another mesh does not survive, either.
+TEST(VertexStars, AnInterruptedStepLeavesNothingOfAnotherMesh) {
+  SerialExecutor serial;
+  const Shape twice = fan(6, 120 * kDegree, true);
+  const Topology topology(twice.mesh());
+  const Motion rest = Motion::linear(twice.positions, twice.positions);
+  for (int loop = 0; loop < 6; ++loop) {
+    VertexStars stars;
+    EXPECT_FALSE(is_wound(fan(6, 60 * kDegree, true), stars));
+    EndsInLoop executor(loop);
+    EXPECT_THROW(stars.update({topology, rest, kEveryObject}, executor), std::runtime_error) << loop;
+    stars.update({topology, rest, kEveryObject}, serial);
+    EXPECT_TRUE(stars.suspect(0) && stars.suspect(1)) << loop;
+  }
+}
+
 /// The O-Set provides the orphans where stars decide nothing.
 TEST(StarOrphans, LeavesSomeStepsToTheOSet) {
   SerialExecutor serial;
