@@ -22,9 +22,9 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kRankRounds = 3;
+constexpr int kRankRounds = 5;
 /// Steps that are not measured: with the first, ranks make their pieces; then regions follow measured times.
-constexpr int kRankWarmUps = 20;
+constexpr int kRankWarmUps = 12;
 
 /// A motion of the mesh: a part of that between two frames, and how far ahead lists of elements are made
 /// (Config::skin).
