@@ -40,8 +40,8 @@ TEST_F(RanksExperiment, RowsOfEachMotionAndNumberOfRanks) {
   };
   const std::vector<json> rows = made_rows(ranks_rows, with_progress);
   expect_described(rows.at(0), "ranks_row");
-  EXPECT_EQ(rows.size(), 3u * 3u * 3u) << "motions, numbers of ranks, rounds";
-  EXPECT_EQ(told, 3u * (20u + 3u) * 4u) << "rounds that are not measured, and the whole mesh, too";
+  EXPECT_EQ(rows.size(), 3u * 3u * 5u) << "motions, numbers of ranks, rounds";
+  EXPECT_EQ(told, 3u * (12u + 5u) * 4u) << "rounds that are not measured, and the whole mesh, too";
   std::set<std::pair<std::string, int>> kinds;
   int lists = 0;
   for (const json& row : rows) {
