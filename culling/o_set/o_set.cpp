@@ -26,7 +26,8 @@ struct FeatureLists {
   std::vector<Index> vertices, triangles, edges;
 };
 
-/// Orders a few features so that those with the same incident elements follow each other.
+/// Orders a few features so that those with the same incident elements follow each other, ascending. If others have the
+/// same first and last one, they may come in between, which costs only time.
 template <Owner kind>
 void group_by_elements(const Features& features, std::span<Index> few,
                        std::vector<std::pair<std::uint64_t, Index>>& scratch) {

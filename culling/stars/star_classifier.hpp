@@ -23,7 +23,7 @@ class StarClassifier {
     return table_.update(topology, executor);
   }
   /// Whose stars are classified from now on: vertices in use, ascending. To be called after update() wherever that
-  /// found a change.
+  /// found a change. Throws Error if there are too many boundary faces (BoundaryRings::set_faces).
   void set_judged(const Step& step, std::vector<Index> vertices);
   /// Classifies the stars. `gap`: the motion from the end of the last step to the start of this one, the same vertices;
   /// null if no vertex moves in it. O(elements).

@@ -18,7 +18,7 @@ class Imbalance {
   void add_step(Exchange& exchange, double seconds, double all_seconds, std::uint64_t elements, bool after_cuts);
   /// Whether the steps since the last cuts have lost their price: the time of the slowest rank beyond max_ratio times
   /// the mean. So cuts that gain nothing cost at most as much as what they were made for; and as some imbalance remains
-  /// with all cuts, the price is doubled with each. The first cuts, which know no times, are given up for a 16th of it.
+  /// with all cuts, the price is doubled with each. The first cuts, made without times, are replaced for a 16th.
   /// The same on all ranks.
   bool wants_cuts() const { return lost_ > price_; }
 

@@ -14,7 +14,8 @@ namespace volccd::distributed::detail {
 
 namespace {
 
-/// Centres that ranks give to divide space, at most, as every rank sorts them: so many in all, or of each rank.
+/// How many elements stand for all when space is divided, because every rank sorts their centres: at most so many in
+/// all, or of each rank.
 constexpr std::size_t kAllSamples = std::size_t{1} << 15, kSamples = 512;
 
 constexpr double kMax = std::numeric_limits<double>::max();

@@ -215,6 +215,8 @@ class Runner {
       known["touching_pairs"] = touching_pair_count(topology(on_boundary), result.contacts);
     for (const char* name : {"elements", "vertices", "edge_count", "triangle_count", "moved_edges", "touching_pairs"})
       row[name] = known.at(name);
+    if (contestant.entrant.without_separation)
+      row["touching_pairs"] = touching_pair_count(topology(on_boundary), result.contacts);
     // Without an O-Set the broad phase emits adjacent pairs, too (docs/pipelines.md).
     row["adjacent_pairs"] = contestant.entrant.spec.orphans ? json(0) : known.at("adjacent");
     return row;

@@ -1,6 +1,7 @@
 // Query motion in experiments: a sequence with stored queries is measured on them, with their separation.
 #include <map>
 
+#include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/tables/table1.hpp>
 #include <volccd/io/sequence/writer.hpp>
 
@@ -75,6 +76,9 @@ TEST_F(QueryMotion, RowsHaveTheContactsWithinTheSeparation) {
   const StepResult without = test::run_step({stepper.topology(), stepper.motion(), test::kAllObjects, 0}, {}, "NavCCD");
   std::size_t linear = 0, query = 0;
   double without_ms = 0;
+  const std::uint64_t touching = touching_pair_count(stepper.topology(), result.contacts),
+                      touching_without = touching_pair_count(stepper.topology(), without.contacts);
+  ASSERT_NE(touching, touching_without) << "the scene shows nothing";
   for (const json& row : rows) {
     if (row.at("motion_model") == "linear") {
       EXPECT_EQ(row.at("separation"), 0);
@@ -84,11 +88,13 @@ TEST_F(QueryMotion, RowsHaveTheContactsWithinTheSeparation) {
     if (row.at("variant") == "without separation") {
       EXPECT_EQ(row.at("separation"), 0);
       EXPECT_EQ(row.at("contacts"), without.contacts.size());
+      EXPECT_EQ(row.at("touching_pairs"), touching_without);
       without_ms = 1e3 * (row.at("seconds").get<double>() + row.at("topology_seconds").get<double>());
       continue;
     }
     EXPECT_EQ(row.at("separation"), kSeparation);
     EXPECT_EQ(row.at("contacts"), result.contacts.size()) << row.at("pipeline");
+    EXPECT_EQ(row.at("touching_pairs"), touching) << row.at("pipeline");
     query += result.contacts.size();
   }
   EXPECT_GT(query, linear) << "the scene shows nothing";
