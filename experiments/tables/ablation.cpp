@@ -123,14 +123,16 @@ TitledTable table_of(const Rows& rows, const std::string& title) {
                number_text(of.mean_ms(kStepAndEditTime) / best), count("element_pairs"), count("surviving_pairs"),
                grouped(static_cast<std::uint64_t>(of.tests())), count("contacts")});
   }
-  return {title, table, "ms: mean over steps of medians over rounds, edits of the topology included; relative: to the fastest; counts: "
-          "sums over steps\n"};
+  return {
+      title, table,
+      "ms: mean over steps of medians over rounds, edits of the topology included; relative: to the fastest; counts: "
+      "sums over steps\n"};
 }
 
 }  // namespace
 
 ExperimentPlan ablation_plan(const PlanContext& context) {
-  ExperimentPlan plan{"ablation", context.full ? "full" : "quick", context.full ? 2 : 1, {}};
+  ExperimentPlan plan{"ablation", context.full ? "full" : "quick", context.full ? kFullRounds : 1, {}};
   const bool own = !context.pipelines.empty() || !context.settings.empty();
   for (const TableScene& scene : table_scenes(context)) {
     // Without the crash, which takes longest and whose results are similar to those of the other scenes.

@@ -93,7 +93,7 @@ std::vector<TableScene> boundary_scenes(const PlanContext& context) {
 }  // namespace
 
 ExperimentPlan boundary_plan(const PlanContext& context) {
-  ExperimentPlan plan{"boundary", context.full ? "full" : "quick", 3, {}};
+  ExperimentPlan plan{"boundary", context.full ? "full" : "quick", context.full ? kFullRounds : 3, {}};
   for (const TableScene& scene : boundary_scenes(context)) {
     for (const unsigned threads : {1u, 2u}) {
       SceneRun run{scene.name, scene.file, table_config(scene.file),

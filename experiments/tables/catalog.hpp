@@ -15,7 +15,7 @@
 
 namespace volccd {
 
-/// Of full runs of the experiments whose ratios are published.
+/// Of full runs: rounds of all experiments that measure times, processes of those whose ratios have intervals.
 inline constexpr int kFullRounds = 5, kFullProcesses = 2;
 
 struct TableScene {

@@ -275,7 +275,7 @@ std::optional<double> fastest_peer(const std::vector<Times>& times) {
 }  // namespace
 
 ExperimentPlan peers_plan(const PlanContext& context) {
-  ExperimentPlan plan{"peers", context.full ? "full" : "quick", context.full ? 5 : 3, {}};
+  ExperimentPlan plan{"peers", context.full ? "full" : "quick", context.full ? kFullRounds : 3, {}};
   for (const NamedScene& scene : named_scenes(context)) plan.runs.push_back({scene.name, scene.file});
   return plan;
 }

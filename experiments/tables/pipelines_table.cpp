@@ -40,7 +40,8 @@ TitledTable comparison(const Rows& rows, const std::string& scene) {
   const std::vector<Rows> entrants = rows.groups({"pipeline", "variant"});
   const Rows &nav = rows.with("pipeline", "NavCCD"), &hash = rows.with("pipeline", "HashCCD");
   const auto over = [](const Rows& baseline, const Rows& of) {
-    return baseline.empty() ? std::string("-") : ratio_text(baseline.mean_ms(kStepAndEditTime) / of.mean_ms(kStepAndEditTime));
+    return baseline.empty() ? std::string("-")
+                            : ratio_text(baseline.mean_ms(kStepAndEditTime) / of.mean_ms(kStepAndEditTime));
   };
   TextTable table({"pipeline", "time/step", "/NavCCD", "/HashCCD", "element pairs", "VF tests", "EE tests", "tests",
                    "contacts", "earliest", "same"});
@@ -96,7 +97,7 @@ std::vector<TableScene> projectile_scenes(const PlanContext& context) {
 ExperimentPlan projectile_plan(const PlanContext& context) {
   std::vector<std::string> pipelines = {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"};
   pipelines.insert(pipelines.end(), context.pipelines.begin(), context.pipelines.end());
-  ExperimentPlan plan{"projectile", context.full ? "full" : "quick", context.full ? 3 : 1, {}};
+  ExperimentPlan plan{"projectile", context.full ? "full" : "quick", context.full ? kFullRounds : 1, {}};
   for (const TableScene& scene : projectile_scenes(context)) {
     SceneRun run{scene.name, scene.file, {}, all_windows(step_count(scene.file), 5), {}};
     if (!context.own_scenes.empty()) run.config = table_config(scene.file);

@@ -83,7 +83,7 @@ std::string exponent_text(const Fit& f) {
 }  // namespace
 
 ExperimentPlan scaling_plan(const PlanContext& context) {
-  ExperimentPlan plan{"scaling", context.full ? "full" : "quick", 1, {}};
+  ExperimentPlan plan{"scaling", context.full ? "full" : "quick", context.full ? kFullRounds : 1, {}};
   for (const TableScene& scene : table_scenes(context)) {
     const bool divided = scene.name == "octopi" || scene.name == "airbag" || scene.name == "crash";
     const bool scaled = scene.name == "octopi" || scene.name == "liver";  // in their motion

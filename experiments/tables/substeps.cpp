@@ -22,8 +22,7 @@ using nlohmann::json;
 namespace {
 
 constexpr double kSeparation = 0.02;  ///< in mean edges of the scene at its start
-constexpr int kRounds = 3;
-constexpr int kWarmUps = 20;  ///< at most this many substeps of the motion before a window run, the last ones
+constexpr int kWarmUps = 20;          ///< at most this many substeps of the motion before a window run, the last ones
 
 std::vector<int> numbers_of_substeps(const TableScene& scene, bool full) {
   return full && !scene.large ? std::vector{1, 10, 100, 1000} : std::vector{1, 10, 100};
@@ -291,7 +290,7 @@ void add_spread(json& object, const std::string& key, const Spread& spread) {
 }  // namespace
 
 ExperimentPlan substeps_plan(const PlanContext& context) {
-  ExperimentPlan plan{"substeps", context.full ? "full" : "quick", kRounds, {}};
+  ExperimentPlan plan{"substeps", context.full ? "full" : "quick", context.full ? kFullRounds : 3, {}};
   for (const TableScene& scene : table_and_large_scenes(context)) plan.runs.push_back({scene.name, scene.file});
   return plan;
 }
@@ -299,6 +298,7 @@ ExperimentPlan substeps_plan(const PlanContext& context) {
 void substeps_rows(const PlanContext& context, RecordFile& record) {
   const std::vector<TableScene> scenes = table_and_large_scenes(context);
   if (scenes.empty()) throw ConfigError("substeps: none of its scenes is available");
+  const int rounds = substeps_plan(context).rounds;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     const auto check = [&] {
       if (context.progress) context.progress(s, scenes.size());
@@ -306,7 +306,7 @@ void substeps_rows(const PlanContext& context, RecordFile& record) {
     for (const int substeps : numbers_of_substeps(scenes[s], context.full)) {
       SubstepComparison comparison(context, scenes[s], substeps, check);
       for (const StepWindow& window : windows_of(scenes[s], substeps, context.full))
-        for (int round = 0; round < kRounds; ++round) {
+        for (int round = 0; round < rounds; ++round) {
           const std::string part =
               fmt::format("{} in {}, from step {}, round {}", scenes[s].name, substeps, window.first, round);
           if (!record.has(part)) record.add(part, comparison.run_round(window, round));
