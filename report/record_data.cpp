@@ -86,7 +86,7 @@ constexpr SceneRecordKind kSceneRecords[] = {
 json scene_list_record(const SceneRecordKind& kind, const std::string& folder) {
   const std::string file = file_in(folder, kind.name);
   const json record = read_json_file(file);
-  if (!record.is_array() || record.empty() || !record[0].is_object() || !record[0].contains("motions"))
+  if (!record.is_array() || record.empty() || !record[0].is_object() || !record[0].contains("steps"))
     throw InputError(
         file, "",
         "is not a list of scenes: make it again by `volccd experiment run " + std::string(kind.command) + "`");
@@ -95,7 +95,7 @@ json scene_list_record(const SceneRecordKind& kind, const std::string& folder) {
   for (const json& scene : record) {
     const std::string name = scene.at("scene").get<std::string>();
     scenes[name] = scene.value("machine", json::object());
-    curves.push_back({{"scene", name}, {"values", curves_of(scene.at("motions"))}});
+    curves.push_back({{"scene", name}, {"values", curves_of(scene.at("steps"))}});
   }
   provenance["scenes"] = std::move(scenes);
   TitledTable table = kind.table(std::vector<json>(record.begin(), record.end()));
@@ -137,10 +137,10 @@ class Points {
     std::map<std::vector<std::string>, std::vector<const json*>> groups;
     std::vector<std::vector<std::string>> order;
     for (const json& row : rows) {
-      if (!row.contains("pipeline") || !row.contains("motion") || !row.contains("seconds")) continue;
+      if (!row.contains("pipeline") || !row.contains("step") || !row.contains("seconds")) continue;
       std::vector<std::string> key{record};
       for (const char* column : kTextColumns) key.push_back(row.value(column, std::string()));
-      for (const char* column : {"threads", "elements", "motion", "motion_scale"})
+      for (const char* column : {"threads", "elements", "step", "motion_scale"})
         key.push_back(fmt::format("{}", number(row, column)));
       const auto [at, fresh] = groups.try_emplace(key);
       if (fresh) order.push_back(key);
@@ -156,8 +156,7 @@ class Points {
     columns_["record"].push_back(text(key[0]));
     for (std::size_t i = 0; i < std::size(kTextColumns); ++i) columns_[kTextColumns[i]].push_back(text(key[i + 1]));
     const json& first = *rows.front();
-    for (const char* column : {"threads", "motion", "motion_scale"})
-      columns_[column].push_back(first.value(column, 1.0));
+    for (const char* column : {"threads", "step", "motion_scale"}) columns_[column].push_back(first.value(column, 1.0));
     columns_["rounds"].push_back(rows.size());
     const auto all = [&](auto&& value) {
       std::vector<double> values;

@@ -107,7 +107,7 @@ class Runner {
   /// stalled ones, with the time that was replaced. Returns whether there was one.
   bool replace_stalled(const StepWindow& window, std::vector<json>& rows) {
     const auto key = [](const json& row) {
-      return json::array({row.at("motion"), row.at("table"), row.at("pipeline"), row.at("variant")}).dump();
+      return json::array({row.at("step"), row.at("table"), row.at("pipeline"), row.at("variant")}).dump();
     };
     std::map<std::string, double> fastest;
     for (const json& row : rows) {
@@ -203,7 +203,7 @@ class Runner {
                 {"shells", name_of(run_.config.shells)},
                 {"mesh", on_boundary ? "boundary" : "whole"},
                 {"separation", separation_for(contestant.entrant)},
-                {"motion", step},
+                {"step", step},
                 {"round", round},
                 {"threads", executor_.workers()},
                 {"topology_seconds", rounded(on_boundary ? boundary_->edit_seconds() : stepper_->edit_seconds())},
@@ -315,7 +315,7 @@ std::vector<std::string> contact_differences(const Registry& registry, const Exp
   std::map<std::string, std::map<int, const json*>> by_entrant;
   for (const json& row : rows) {
     Entrant entrant{row.at("table"), row.at("pipeline"), row.at("variant"), {}};
-    by_entrant[row_key(row.at("scene"), row.at("motion_model"), row.at("edges"), entrant)][row.at("motion")] = &row;
+    by_entrant[row_key(row.at("scene"), row.at("motion_model"), row.at("edges"), entrant)][row.at("step")] = &row;
   }
   std::vector<std::string> lines;
   for (const SceneRun& run : plan.runs) {

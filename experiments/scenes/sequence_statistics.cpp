@@ -101,7 +101,7 @@ nlohmann::json to_json(const std::vector<MotionStatistics>& motions) {
     nlohmann::json elements = nlohmann::json::object();
     for (const auto& [type, count] : m.elements) elements[to_string(type)] = count;
     list.push_back(
-        {{"motion", k},
+        {{"step", k},
          {"time", m.time},
          {"elements", std::move(elements)},
          {"removed", m.removed},

@@ -88,9 +88,9 @@ struct BaselineRows {
   /// The steps in which something touches, or those in which nothing does.
   BaselineRows with_contacts(bool some) const {
     std::vector<json> steps;
-    for (const json& step : rows.values("motion"))
-      if ((of("VolCCD+").with("motion", step).sum("contacts") > 0) == some) steps.push_back(step);
-    return {scene, rows.with_any("motion", steps)};
+    for (const json& step : rows.values("step"))
+      if ((of("VolCCD+").with("step", step).sum("contacts") > 0) == some) steps.push_back(step);
+    return {scene, rows.with_any("step", steps)};
   }
 };
 
@@ -259,7 +259,7 @@ json baselines_summary(const json& record) {
     const TableEntrant &best = scene.strongest(), &plus = named("VolCCD+");
     json line = {{"scene", scene.scene},
                  {"elements", scene.rows.median("elements")},
-                 {"motions", scene.rows.steps()},
+                 {"steps", scene.rows.steps()},
                  {"strongest", best.title},
                  {"strongest_ms", scene.ms(best)},
                  {"volccd_ms", scene.ms(named("VolCCD"))},

@@ -56,7 +56,7 @@ Entrants entrants_of(const std::string& file) {
   try {
     for (const json& row : record.at("rows")) {
       const std::string key = name_of(row, std::size(kColumns));
-      const int step = row.at("motion"), round = row.at("round");
+      const int step = row.at("step"), round = row.at("round");
       EntrantSamples& entrant = entrants[key];
       entrant.question = name_of(row, kColumnsOfQuestion);
       Samples& samples = entrant.steps[step];

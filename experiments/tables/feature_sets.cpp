@@ -64,7 +64,7 @@ class Observer {
     stepper_.go_to(k, executor_);
     const Mesh& mesh = stepper_.topology().mesh();
     runner_.run(stepper_.topology(), stepper_.motion(), {.initial_overlaps = true});
-    json row = {{"motion", k},
+    json row = {{"step", k},
                 {"elements", mesh.element_count()},
                 {"time", reader_.time(k + 1)},
                 {"contacts", runner_.result().contacts.size()},
@@ -190,7 +190,7 @@ std::vector<json> rows_of(const SimulatedScene& scene, const std::string& sequen
                 {"pipeline", "VolCCD+"},
                 {"variant", variant_of(scene.options.features)},
                 {"round", 0}});
-    const json& frame = baked.at("frames").at(row.at("motion").get<std::size_t>() + 1);
+    const json& frame = baked.at("frames").at(row.at("step").get<std::size_t>() + 1);
     row["splits"] = frame.at("edits").at("splits");
     row["breaks"] = frame.at("edits").at("breaks");
     row["simulation_seconds"] = frame.at("seconds");

@@ -24,7 +24,7 @@ void feature_set_rows(const PlanContext& context, RecordFile& record);
 std::vector<TitledTable> feature_set_tables(const nlohmann::json& record);
 
 /// Measures of the sequence of a simulation with hexahedra (and wedges into which they break), one row for each step:
-/// {"motion", "elements", "time": at its end, "contacts", "interior": those of which a feature lies inside,
+/// {"step", "elements", "time": at its end, "contacts", "interior": those of which a feature lies inside,
 /// "overlaps_inter", "overlaps_intra": pairs of non-adjacent elements that overlap at its start (exact), "inverted":
 /// elements with a negative corner volume at its end, "pieces_striker", "pieces_target": pieces connected by vertices,
 /// "velocity", "travel": of the striker's centre of mass along its first step}.

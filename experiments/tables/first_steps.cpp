@@ -74,7 +74,7 @@ json measure(const PlanContext& context, const TableScene& scene, Executor& exec
     later.push_back(of_all.run(stepper.topology(), stepper.motion(), request).statistics.seconds);
   }
   row["later_s"] = median(later);
-  row["motion"] = first;
+  row["step"] = first;
   return row;
 }
 

@@ -89,7 +89,7 @@ void add_rows(const PlanContext& context, const TableScene& scene, MotionModel m
     const StepResult& result = runner.run(step.topology, step.motion);
     rows.push_back({{"scene", scene.name},
                     {"motion_model", name_of(model)},
-                    {"motion", k},
+                    {"step", k},
                     {"elements", step.mesh().element_count()}});
     rows.back().update(count_inversions(step, result.contacts));
   }

@@ -141,7 +141,7 @@ void operation_rows(const PlanContext& context, RecordFile& record) {
   for (json& row : bound_operation_counts(queries.front().step)) counts.push_back(std::move(row));
   for (json& row : counts) {
     row["scene"] = "octopi";
-    row["motion"] = source.step;
+    row["step"] = source.step;
     rows.push_back(std::move(row));
   }
   record.add("rows", rows);

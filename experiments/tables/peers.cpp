@@ -221,7 +221,7 @@ void expect_same_pairs(const std::vector<json>& rows) {
     throw Error(
         fmt::format("peers, {}, step {}: {}, {}: one of them loses or invents pairs; `volccd check` on its "
                     "name may find a small case",
-                    row.at("scene").get<std::string>(), row.at("motion").get<int>(), text(*first), text(row)));
+                    row.at("scene").get<std::string>(), row.at("step").get<int>(), text(*first), text(row)));
   }
 }
 
@@ -234,7 +234,7 @@ std::vector<json> run_round(SceneMotions& scene, const std::string& name, int st
   const Mesh& mesh = scene.step().mesh();
   std::vector<json> rows;
   for (std::size_t i = 0; i < racers.size(); ++i) {
-    json row = {{"scene", name},  {"volume", is_volume(mesh)},    {"elements", mesh.element_count()}, {"motion", step},
+    json row = {{"scene", name},  {"volume", is_volume(mesh)},    {"elements", mesh.element_count()}, {"step", step},
                 {"round", round}, {"threads", executor.workers()}};
     row.update(racers[(i + static_cast<std::size_t>(round)) % racers.size()].run(scene.step(), executor));
     rows.push_back(std::move(row));

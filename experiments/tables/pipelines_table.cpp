@@ -20,16 +20,16 @@ std::string label(const json& row) {
 
 /// "3 + 0.99329": the first step with a contact, and its time within it.
 std::string earliest(const Rows& rows) {
-  for (const json& step : rows.values("motion"))
-    if (const json toi = rows.with("motion", step).front().at("earliest_toi"); toi.is_number())
+  for (const json& step : rows.values("step"))
+    if (const json toi = rows.with("step", step).front().at("earliest_toi"); toi.is_number())
       return fmt::format("{} + {:.5f}", step.get<int>(), toi.get<double>());
   return "-";
 }
 
 bool same_contacts(const Rows& rows, const Rows& reference) {
-  for (const json& step : rows.values("motion"))
-    if (rows.with("motion", step).values("contacts_hash") !=
-        reference.with("motion", step).with("round", 0).values("contacts_hash"))
+  for (const json& step : rows.values("step"))
+    if (rows.with("step", step).values("contacts_hash") !=
+        reference.with("step", step).with("round", 0).values("contacts_hash"))
       return false;
   return true;
 }

@@ -178,7 +178,7 @@ json plus_summary(const json& record) {
     summary.push_back({{"scene", group.scene},
                        {"threads", group.threads()},
                        {"elements", group.of(kPlus).median("elements")},
-                       {"motions", group.rows.steps()},
+                       {"steps", group.rows.steps()},
                        {"volccd_ms", group.ms(kVolCCD)},
                        {"volccd_plus_ms", group.ms(kPlus)},
                        {"without_flood_ms", group.ms(kWithoutFlood)},

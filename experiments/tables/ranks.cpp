@@ -166,7 +166,7 @@ class RankComparison {
                    {"case", motion_.name},
                    {"ranks", ranks},
                    {"round", round},
-                   {"motion", mesh_.step},
+                   {"step", mesh_.step},
                    {"warm_ups", kRankWarmUps},
                    {"threads", executor_.workers()},
                    {"elements", elements},

@@ -80,7 +80,7 @@ std::map<int, std::vector<double>> Rows::by_round(const std::vector<std::string>
   for (const json* row : rows_) {
     double sum = 0;
     for (const std::string& column : columns) sum += at(*row, column).get<double>();
-    rounds[at(*row, "motion").get<int>()].push_back(sum);
+    rounds[at(*row, "step").get<int>()].push_back(sum);
   }
   return rounds;
 }
@@ -92,7 +92,6 @@ std::vector<double> Rows::by_step(const std::vector<std::string>& columns) const
 }
 
 double Rows::mean_ms(const std::vector<std::string>& columns) const { return 1e3 * mean(by_step(columns)); }
-double Rows::median_ms(const std::vector<std::string>& columns) const { return 1e3 * volccd::median(by_step(columns)); }
 double Rows::median(const std::string& column) const { return volccd::median(by_step({column})); }
 
 double Rows::sum(const std::string& column) const {

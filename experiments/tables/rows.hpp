@@ -37,15 +37,14 @@ class Rows {
   std::map<int, std::vector<double>> by_round(const std::vector<std::string>& columns) const;
   /// For each step, the median over rounds of by_round().
   std::vector<double> by_step(const std::vector<std::string>& columns) const;
-  /// Mean (the paper's average) and median of by_step() over steps, in milliseconds for columns in seconds.
+  /// Mean (the paper's average) of by_step(), in milliseconds for columns in seconds.
   double mean_ms(const std::vector<std::string>& columns) const;
-  double median_ms(const std::vector<std::string>& columns) const;
   /// Sum, or median, over steps of the median over rounds (counts are the same in every round).
   double sum(const std::string& column) const;
   double median(const std::string& column) const;
   /// VF and EE tests, summed over steps.
   double tests() const { return sum("vf_tests") + sum("ee_tests"); }
-  std::size_t steps() const { return values("motion").size(); }
+  std::size_t steps() const { return values("step").size(); }
 
  private:
   std::vector<const nlohmann::json*> rows_;

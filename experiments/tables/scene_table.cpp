@@ -100,7 +100,7 @@ std::string tools_text(const json& baked) {
 }
 
 std::vector<std::string> row_of(const json& record) {
-  const json &steps = record.at("motions"), &baked = record.at("simulation");
+  const json &steps = record.at("steps"), &baked = record.at("simulation");
   const std::string name = record.at("scene");
   const auto contacts = [&](const char* kind) {
     return grouped(static_cast<std::uint64_t>(
@@ -149,10 +149,8 @@ std::optional<json> scene_record(const std::string& name, const std::string& seq
     return !stopped;
   });
   if (stopped) return std::nullopt;
-  return json{{"scene", name},
-              {"machine", machine_facts()},
-              {"simulation", std::move(record)},
-              {"motions", to_json(statistics)}};
+  return json{
+      {"scene", name}, {"machine", machine_facts()}, {"simulation", std::move(record)}, {"steps", to_json(statistics)}};
 }
 
 TitledTable scene_table(const std::vector<json>& records) {

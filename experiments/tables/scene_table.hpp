@@ -13,7 +13,7 @@
 
 namespace volccd {
 
-/// The record of a scene: {"scene", "machine", "simulation": record of its baking or null, "motions": statistics of the
+/// The record of a scene: {"scene", "machine", "simulation": record of its baking or null, "steps": statistics of the
 /// file}. `bake_record`: file that bake() wrote, or empty. Returns nothing if `go_on(done, steps)` returned false.
 /// Throws InputError.
 std::optional<nlohmann::json> scene_record(const std::string& name, const std::string& sequence,

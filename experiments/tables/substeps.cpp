@@ -95,7 +95,7 @@ class SubstepComparison {
       rows.push_back(columns_of(of_fresh, of_lists));
       rows.back().update({{"scene", scene_.name},
                           {"substeps", substeps_},
-                          {"motion", stepper.current()},
+                          {"step", stepper.current()},
                           {"window", window.first},
                           {"round", round},
                           {"threads", executor_.workers()},
@@ -326,7 +326,7 @@ json substeps_summary(const json& record) {
     json object = {{"scene", group.scene},
                    {"substeps", group.substeps},
                    {"elements", group.rows.median("elements")},
-                   {"motions", group.rows.steps()},
+                   {"steps", group.rows.steps()},
                    {"fresh_substeps", group.mean("fresh_substeps")},
                    {"threads", group.rows.front().at("threads")},
                    {"separation", group.rows.front().at("separation")},

@@ -128,11 +128,11 @@ void for_each_line(const Rows& rows, Visitor&& visit) {
 
 /// Returns "yes" if all entrants found the contacts of NavCCD in all steps, else the names of those that did not.
 std::string same_contacts(const Comparison& c) {
-  const std::vector<json> steps = c.nav.values("motion");
+  const std::vector<json> steps = c.nav.values("step");
   const auto differs = [&](const Rows& rows) {
     return std::any_of(steps.begin(), steps.end(), [&](const json& step) {
-      const Rows some = rows.with("motion", step);
-      return !some.empty() && some.values("contacts_hash") != c.nav.with("motion", step).values("contacts_hash");
+      const Rows some = rows.with("step", step);
+      return !some.empty() && some.values("contacts_hash") != c.nav.with("step", step).values("contacts_hash");
     });
   };
   const std::pair<const char*, const Rows*> others[] = {{"HashCCD", &c.hash},      {"VolCCD", &c.vol},
@@ -271,7 +271,7 @@ json summary_of(const std::string& table, const std::string& scene, const Compar
                {"motion_model", c.nav.front().at("motion_model")},
                {"edges", c.nav.front().at("edges")},
                {"elements", c.nav.median("elements")},
-               {"motions", c.nav.steps()},
+               {"steps", c.nav.steps()},
                {"culling_ratio_percent", 100 * c.share_of_tests(c.vol)}};
   const auto add_speedup = [&](const std::string& key, const Rows& baseline, const Rows& of) {
     if (baseline.empty()) return;
@@ -281,14 +281,11 @@ json summary_of(const std::string& table, const std::string& scene, const Compar
   };
   add_speedup("speedup_navccd", c.nav, c.vol);
   add_speedup("speedup_hashccd", c.hash, c.vol);
-  const auto add_times = [&](const char* name, const Rows& rows) {
-    if (rows.empty()) return;
-    line[std::string(name) + "_ms"] = rows.mean_ms(kStepAndEditTime);
-    line[std::string("median_") + name + "_ms"] = rows.median_ms(kStepAndEditTime);
+  const auto add_time = [&](const char* name, const Rows& rows) {
+    if (!rows.empty()) line[std::string(name) + "_ms"] = rows.mean_ms(kStepAndEditTime);
   };
-  add_times("navccd", c.nav), add_times("hashccd", c.hash), add_times("volccd", c.vol),
-      add_times("volccd_plus", c.plus);
-  add_times("navccd_without_adjacent", c.apart), add_times("navccd_filtered", c.filtered);
+  add_time("navccd", c.nav), add_time("hashccd", c.hash), add_time("volccd", c.vol), add_time("volccd_plus", c.plus);
+  add_time("navccd_without_adjacent", c.apart), add_time("navccd_filtered", c.filtered);
   if (!c.plus.empty()) {
     add_speedup("speedup_navccd_plus", c.nav, c.plus);
     add_speedup("speedup_hashccd_plus", c.hash, c.plus);

@@ -13,11 +13,11 @@ ExperimentPlan table1_plan(const PlanContext& context);
 
 std::vector<TitledTable> table1_tables(const nlohmann::json& record);
 
-/// For each table, scene, motion model and edge set: {"table", "scene", "motion_model", "edges", "elements", "motions",
+/// For each table, scene, motion model and edge set: {"table", "scene", "motion_model", "edges", "elements", "steps",
 /// "navccd_ms", "hashccd_ms", "volccd_ms", "volccd_plus_ms" (c), "speedup_navccd", "speedup_hashccd": of volccd_ms,
 /// with
 /// "_plus" behind them of volccd_plus_ms, "culling_ratio_percent"}. Milliseconds are means over steps (the paper's
-/// average) of medians over rounds, the topology's edits included; "median_" before them: medians over steps.
+/// average) of medians over rounds, the topology's edits included.
 nlohmann::json table1_summary(const nlohmann::json& record);
 
 }  // namespace volccd

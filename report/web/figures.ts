@@ -10,7 +10,7 @@ interface Point {
   group: string;  ///< record, table and treatment of what is measured together
   scene: string;
   label: string;  ///< pipeline and variant
-  motion: number;
+  step: number;
   elements: number;
   of: (column: string) => number;
 }
@@ -54,7 +54,7 @@ function pointsOf(report: Report): Point[] {
       scene: text("scene"),
       label: text("pipeline") + (text("variant") ? ` ${text("variant")}` : "") +
           ((columns.threads[i] ?? 1) > 1 ? `, ${columns.threads[i]} threads` : ""),
-      motion: columns.motion[i] ?? 0,
+      step: columns.step[i] ?? 0,
       elements: columns.elements[i] ?? 0,
       of: (c) => columns[c]?.[i] ?? 0
     });
@@ -189,7 +189,7 @@ export class Figures {
         }), select("show", Object.entries(kMeasures).map(([k, m]) => [k, m.label]), measure, (v) => {
             measure = v;
             draw();
-          }), select("against", [["scene", "scene"], ["motion", "step"], ["elements", "elements"]], against, (v) => {
+          }), select("against", [["scene", "scene"], ["step", "step"], ["elements", "elements"]], against, (v) => {
             against = v;
             draw();
           }), check("log-x", "logarithmic x", logX, (on) => {
@@ -230,7 +230,7 @@ export class Figures {
       labels.forEach((label, index) => scenes.forEach((scene) => {
         const some = own.filter((p) => p.label === label && p.scene === scene);
         if (!some.length) return;
-        const x = (p: Point) => (against === "motion" ? p.motion : p.elements);
+        const x = (p: Point) => (against === "step" ? p.step : p.elements);
         series.push({
           name: scenes.length > 1 ? `${scene}, ${label}` : label,
           index: scenes.length > 1 ? series.length : index,
@@ -239,8 +239,8 @@ export class Figures {
                      .map((p) => ({
                             x: x(p),
                             y: m.of(p),
-                            pick: pick(p, p.motion),
-                            text: `${scene}, ${label}, step ${p.motion}: ${m.text(m.of(p))}\n${origin(p)}`
+                            pick: pick(p, p.step),
+                            text: `${scene}, ${label}, step ${p.step}: ${m.text(m.of(p))}\n${origin(p)}`
                           }))
         });
       }));
@@ -352,8 +352,8 @@ export class Figures {
           marks: c.values[name].map((y, i) => ({
                                       x: (100 * time[i]) / end,
                                       y,
-                                      pick: () => this.pickPoint(record, c.scene, c.values.motion?.[i] ?? i),
-                                      text: `${c.scene}, step ${c.values.motion?.[i] ?? i}: ${name} ${short(y)}\n${
+                                      pick: () => this.pickPoint(record, c.scene, c.values.step?.[i] ?? i),
+                                      text: `${c.scene}, step ${c.values.step?.[i] ?? i}: ${name} ${short(y)}\n${
                                           provenanceLine(record, c.scene)}`
                                     }))
         };
@@ -362,7 +362,7 @@ export class Figures {
     };
     const enter = () => {
       const names = unique(record.curves.flatMap((c) => Object.keys(c.values)))
-                        .filter((n) => n !== "time" && n !== "motion")
+                        .filter((n) => n !== "time" && n !== "step")
                         .sort();
       name = names.includes(name) ?
           name :

@@ -49,7 +49,7 @@ export function rowsOf(report: Report, record: DataRecord, scene: string, max = 
             ...found.slice(0, max).map(
                 (i) =>
                     h("tr", {}, h("td", {}, text("table", i)), h("td", {}, text("pipeline", i)),
-                      h("td", {}, text("variant", i)), h("td", {class: "number"}, String(columns.motion[i])),
+                      h("td", {}, text("variant", i)), h("td", {class: "number"}, String(columns.step[i])),
                       h("td", {class: "number"}, String(columns.rounds[i])),
                       h("td", {class: "number"}, duration(columns.seconds[i] ?? 0)),
                       h("td", {class: "number"}, grouped((columns.vf_tests[i] ?? 0) + (columns.ee_tests[i] ?? 0))),

@@ -29,7 +29,7 @@ class Experiments(ProgramTest):
         self.assertIn("0.69 %", text)
         record = self.follows_schema(self.path("results/projectile.json"))
         self.assertEqual({row["pipeline"] for row in record["rows"]}, {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"})
-        self.assertEqual({row["motion"] for row in record["rows"]}, set(range(8)))
+        self.assertEqual({row["step"] for row in record["rows"]}, set(range(8)))
         self.assertEqual({row["scene"] for row in record["rows"]}, {"builtin"})
         names = [option for stage in record["provenance"]["plan"]["runs"][0]["entrants"][0]["stages"].values()
                  if isinstance(stage, dict) for option in stage["options"]]
@@ -74,7 +74,7 @@ class Experiments(ProgramTest):
         with open(self.path("mine/projectile.json"), encoding="utf-8") as file:
             record = json.load(file)
         name = os.path.basename(self.sequence)
-        self.assertEqual({(row["scene"], row["motion"], row["round"]) for row in record["rows"]},
+        self.assertEqual({(row["scene"], row["step"], row["round"]) for row in record["rows"]},
                          {(scene, motion, of) for scene in (name.split(".")[0], "other") for motion in (1, 2) for of in (0, 1)})
         self.assertEqual(record["provenance"]["options"], f"--scenes {name},other.vtkhdf --steps 1:3 --rounds 2")
         self.assertNotIn(self.folder.name, json.dumps(record))  # the record has no path of this machine
@@ -85,7 +85,7 @@ class Experiments(ProgramTest):
             self.good("experiment", "run", kind, "--scenes", other, "--steps", "2", "-o", folder, *extra)
             with open(self.path(f"mine/{kind}.json"), encoding="utf-8") as file:
                 rows = json.load(file)["rows"]
-            self.assertEqual({(row["scene"], row["motion"]) for row in rows}, {("other", 2)}, kind)
+            self.assertEqual({(row["scene"], row["step"]) for row in rows}, {("other", 2)}, kind)
             if kind == "table1":
                 self.assertEqual({(row["table"], row["round"]) for row in rows}, {(table, of) for table in "abc" for of in (0, 1)})
         os.mkdir(self.path("sub"))
@@ -210,7 +210,7 @@ class Experiments(ProgramTest):
         windows = self.read("projectile/records/projectile.incomplete.jsonl").decode().splitlines()[1:]
         self.assertGreaterEqual(len(windows), 2)
         first = json.loads(windows[0])["rows"]
-        self.assertEqual(len(first), 4 * len({row["motion"] for row in first}))
+        self.assertEqual(len(first), 4 * len({row["step"] for row in first}))
         text = self.good("experiment", "run", "projectile", "-o", results, env=env)
         self.assertRegex(text, r"continued; [1-9]\d* part")
         whole = self.read("projectile/records/projectile.json")

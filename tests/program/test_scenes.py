@@ -64,7 +64,7 @@ class Scenes(ProgramTest):
         with open(target, "rb") as copy, open(self.sequence, "rb") as original:
             self.assertEqual(copy.read(), original.read())
         with open(stats, encoding="ascii") as file:
-            motions = json.load(file)["motions"]
+            motions = json.load(file)["steps"]
         self.assertEqual(len(motions), 4)
         counted = sum(sum(motion["contacts"].values()) for motion in motions)
         self.assertEqual(counted, len(self.contacts()) - 1)

@@ -50,7 +50,7 @@ TEST(ReportRecords, PointsAreMediansOverRounds) {
                       {"motion_model", "linear"},
                       {"pipeline", "P"},
                       {"scene", "s"},
-                      {"motion", motion},
+                      {"step", motion},
                       {"seconds", seconds * motion},
                       {"vf_tests", 7},
                       {"narrow_phase_prepare_s", 0.25},

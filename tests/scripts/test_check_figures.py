@@ -48,7 +48,7 @@ class CheckFigures(unittest.TestCase):
             self.write("README.md", page)
             self.write("results/README.md", "# Results\n")
             self.write("scripts/figures.list", entries)
-            rows = [{"scene": "octopi", "motion": 0, "seconds": value} for value in (seconds, seconds, 1.0)]
+            rows = [{"scene": "octopi", "step": 0, "seconds": value} for value in (seconds, seconds, 1.0)]
             self.write("results/plus.json", json.dumps({"rows": rows, "summary": [{"scene": "octopi", "tests": 1234}]}))
         done = subprocess.run([sys.executable, "-B", os.path.join(ROOT, "scripts/check_figures"), "--root", root],
                               capture_output=True, text=True, check=False)

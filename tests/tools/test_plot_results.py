@@ -32,8 +32,8 @@ PROVENANCE = {"version": "0.1.0", "commit": "abc1234", "cpu": "Test CPU", "cores
 
 
 def row(pipeline="VolCCD", scene="octopi", **columns):
-    """A row of a motion of 1 s: its stages take 0.9 s; 100 of 1000 non-adjacent pairs touch; there are 30 tests."""
-    result = {"table": "b", "scene": scene, "motion_model": "linear", "motion": 0, "pipeline": pipeline, "variant": "",
+    """A row of a step of 1 s: its stages take 0.9 s; 100 of 1000 non-adjacent pairs touch; there are 30 tests."""
+    result = {"table": "b", "scene": scene, "motion_model": "linear", "step": 0, "pipeline": pipeline, "variant": "",
               "round": 0, "threads": 1, "elements": 1000, "vertices": 300, "seconds": 1.0, "topology_seconds": 0.0,
               "element_pairs": 1200, "adjacent_pairs": 200, "surviving_pairs": 300, "touching_pairs": 100,
               "owned_tests": 60, "orphan_tests": 7, "vf_tests": 10, "ee_tests": 20, "contacts": 5, "earliest_toi": None,
@@ -44,10 +44,10 @@ def row(pipeline="VolCCD", scene="octopi", **columns):
     return result | columns
 
 
-def motions(seconds, *arguments, **columns):
-    """A row for each motion and round; `seconds` has a list of times for each motion."""
-    return [row(*arguments, motion=motion, round=number, seconds=time, **columns)
-            for motion, times in enumerate(seconds) for number, time in enumerate(times)]
+def steps(seconds, *arguments, **columns):
+    """A row for each step and round; `seconds` has a list of times for each step."""
+    return [row(*arguments, step=step, round=number, seconds=time, **columns)
+            for step, times in enumerate(seconds) for number, time in enumerate(times)]
 
 
 class Plots(unittest.TestCase):
@@ -91,8 +91,8 @@ class Plots(unittest.TestCase):
         return re.findall(r"<text[^>]*>([^<]*)</text>", svg)
 
     def table1(self):
-        return [*motions([[4, 9, 3], [4, 4, 5], [100, 200, 300]], "NavCCD"), *motions([[8], [8], [8]], "HashCCD"),
-                *motions([[1, 1, 9], [1, 0.5, 7], [2, 2, 2]], "VolCCD"), *motions([[0.5]] * 3, "VolCCD+")]
+        return [*steps([[4, 9, 3], [4, 4, 5], [100, 200, 300]], "NavCCD"), *steps([[8], [8], [8]], "HashCCD"),
+                *steps([[1, 1, 9], [1, 0.5, 7], [2, 2, 2]], "VolCCD"), *steps([[0.5]] * 3, "VolCCD+")]
 
     # --- figures
 
@@ -127,11 +127,11 @@ class Plots(unittest.TestCase):
                          ["52.0×", "139×", "12×", "6.0×", "16.0×", "18.3×"])
         self.assertIn("I-b: over NavCCD", texts)
 
-    def test_speedups_take_motions_that_both_have(self):
-        self.record("table1", [*motions([[6], [6]], "NavCCD"), *motions([[2], [2], [90], [90], [90]], "VolCCD")])
+    def test_speedups_take_steps_that_both_have(self):
+        self.record("table1", [*steps([[6], [6]], "NavCCD"), *steps([[2], [2], [90], [90], [90]], "VolCCD")])
         self.good("--only", "speedup")
         self.assertIn("3.0×", self.texts("speedup"))
-        self.record("table1", [row("NavCCD", motion=1), row("VolCCD", motion=2), row("HashCCD", motion=2, seconds=7)])
+        self.record("table1", [row("NavCCD", step=1), row("VolCCD", step=2), row("HashCCD", step=2, seconds=7)])
         self.assertIn("octopi, VolCCD: has no step in common with NavCCD; left out", self.good("--only", "speedup"))
         self.assertIn("7.0×", self.texts("speedup"))
 
@@ -184,7 +184,7 @@ class Plots(unittest.TestCase):
         self.assertFalse(any("paper" in text for text in self.texts("culling")))
 
     def test_breakdown_has_all_of_the_time(self):
-        shares = stages.shares_of(motions([[1.0, 1.0], [1.0]]))
+        shares = stages.shares_of(steps([[1.0, 1.0], [1.0]]))
         expected = {"k-DOPs": 5, "tree": 15, "traversal and culling": 20, "O-Set": 0, "feature filters": 0,
                     "elementary tests": 50, "remainder": 10}
         self.assertEqual(list(shares), list(expected))
@@ -196,12 +196,12 @@ class Plots(unittest.TestCase):
         self.assertIn("I-b: VolCCD", self.texts("breakdown"))
 
     def test_typical_round_is_the_median_and_a_single_one(self):
-        rows = motions([[3, 1, 2], [5, 4]])
+        rows = steps([[3, 1, 2], [5, 4]])
         self.assertEqual([r["seconds"] for r in records.typical(rows)], [2, 4])
 
     def test_false_positives(self):
-        self.record("table1", [row(), row(motion=1, touching_pairs=20), row(motion=2, touching_pairs=10),
-                               row(motion=3, element_pairs=200)])
+        self.record("table1", [row(), row(step=1, touching_pairs=20), row(step=2, touching_pairs=10),
+                               row(step=3, element_pairs=200)])
         out = self.good("--only", "false-positives")
         self.assertIn("98.00", self.texts("false-positives"))  # median of 90, 98 and 99
         self.assertIn("octopi: 1 steps without pairs", out)
@@ -213,8 +213,8 @@ class Plots(unittest.TestCase):
             self.assertIn(text, self.texts("funnel"))
         self.assertNotIn("0.1", self.texts("funnel"), "the place of zeros is labelled with its logarithmic value")
 
-    def test_culling_sums_motions_and_takes_each_once(self):
-        rows = [row("A none", "crash", motion=m, round=r, vf_tests=1000, ee_tests=2500) for m in (0, 1) for r in (0, 1)]
+    def test_culling_sums_steps_and_takes_each_once(self):
+        rows = [row("A none", "crash", step=m, round=r, vf_tests=1000, ee_tests=2500) for m in (0, 1) for r in (0, 1)]
         self.record("culling", rows)
         self.good("--only", "culling")
         self.assertIn("2 k", " ".join(self.texts("culling")))
@@ -262,11 +262,11 @@ class Plots(unittest.TestCase):
         self.assertIn("is 0 at 3 points", out)
 
     def test_whole_steps_are_those_after_the_first_of_a_window(self):
-        steps = [row("VolCCD+", table="", variant="inclusion", motion=motion, window=4, seconds=seconds,
+        steps = [row("VolCCD+", table="", variant="inclusion", step=step, window=4, seconds=seconds,
                      topology_seconds=0.25)
-                 for motion, seconds in ((4, 9), (5, 1), (6, 3))]
-        single = [row("boundary alone", table="", motion=4, window=4, round=round, seconds=7) for round in (0, 1)]
-        self.record("plus", [*steps, *single, row("VolCCD+", table="2 threads", window=0, motion=0)])
+                 for step, seconds in ((4, 9), (5, 1), (6, 3))]
+        single = [row("boundary alone", table="", step=4, window=4, round=round, seconds=7) for round in (0, 1)]
+        self.record("plus", [*steps, *single, row("VolCCD+", table="2 threads", window=0, step=0)])
         self.good("--only", "plus")
         texts = self.texts("plus")
         for text in ("VolCCD+, inclusion", "2.25 k", "boundary alone", "7 k"):
@@ -275,7 +275,7 @@ class Plots(unittest.TestCase):
 
     def test_feature_sets_over_time(self):
         def sets(scene, velocities):
-            return [row("VolCCD+", scene, variant="all", motion=k, time=1e-6 * (k + 1), velocity=v, overlaps_inter=k,
+            return [row("VolCCD+", scene, variant="all", step=k, time=1e-6 * (k + 1), velocity=v, overlaps_inter=k,
                         interior=10 * k) for k, v in enumerate(velocities)]
         self.record("feature-sets", sets("bullet", [750, 300, -40]) + sets("bullet-surface", [750, 500]))
         self.good()

@@ -14,7 +14,7 @@ def draw_feature_sets(record, _):
     page, looks = Page(DOUBLE, 60, 1, len(QUANTITIES)), Looks(["bullet", "bullet-boundary", "bullet-surface"])
     for panel, (label, column) in zip(page.panels[0], QUANTITIES.items()):
         for scene in scenes_of(record.rows):
-            rows = sorted(grouped(record.rows, "scene")[scene], key=lambda row: row["motion"])
+            rows = sorted(grouped(record.rows, "scene")[scene], key=lambda row: row["step"])
             look = looks.line(scene) | {"markevery": max(1, len(rows) // 8)}
             panel.plot([1e6 * row["time"] for row in rows], [row[column] for row in rows], **look)
             page.legend(scene, Line2D([], [], **look))

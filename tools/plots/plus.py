@@ -10,7 +10,7 @@ def steady(rows):
     """Rows of the steps after the first of their window; a window of one step keeps its row."""
     result = []
     for window in grouped(rows, "window").values():
-        later = [row for row in window if row["motion"] != row["window"]]
+        later = [row for row in window if row["step"] != row["window"]]
         result += later or window
     return result
 

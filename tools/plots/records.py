@@ -62,7 +62,7 @@ def check_columns(record, columns):
     """Checks that every row has the columns that identify it and `columns`. Values are texts or finite numbers.
     Numbers are not negative, except for velocities; times, numbers of elements and lengths are positive."""
     for row in record.rows:
-        for column in (*TEXTS, "motion", "round", *columns):
+        for column in (*TEXTS, "step", "round", *columns):
             value = row.get(column)
             if column in TEXTS:
                 good = isinstance(value, str)
@@ -88,13 +88,13 @@ def grouped(rows, *columns):
 def typical(rows):
     """One row for each step: that of the round with the (lower) median time, so that its stages add up."""
     by_time = [sorted(rounds, key=lambda row: (row["seconds"], row["round"]))
-               for rounds in grouped(rows, "motion").values()]
+               for rounds in grouped(rows, "step").values()]
     return [rounds[(len(rounds) - 1) // 2] for rounds in by_time]
 
 
 def mean_over_steps(rows, value):
     """The mean over steps of the median over rounds of value(row), as in the tables."""
-    return statistics.fmean(statistics.median(map(value, rounds)) for rounds in grouped(rows, "motion").values())
+    return statistics.fmean(statistics.median(map(value, rounds)) for rounds in grouped(rows, "step").values())
 
 
 def seconds(row):
@@ -142,7 +142,7 @@ def without_common_settings(record, say):
 
 
 def caption_of(record):
-    steps = {scene: len({row["motion"] for row in rows}) for scene, rows in grouped(record.rows, "scene").items()}
+    steps = {scene: len({row["step"] for row in rows}) for scene, rows in grouped(record.rows, "scene").items()}
     scenes = ", ".join(f"{scene}\N{NO-BREAK SPACE}({steps[scene]})" for scene in scenes_of(record.rows))
     facts = record.provenance
     incomplete = "" if record.complete else ", incomplete record"

@@ -37,10 +37,10 @@ def comparisons(rows, family):
 def speedup(baseline, subject):
     """Ratio of the mean times, as in the tables, topology edits included, over the steps that both have; None if they
     share no step."""
-    steps = {row["motion"] for row in baseline} & {row["motion"] for row in subject}
+    steps = {row["step"] for row in baseline} & {row["step"] for row in subject}
     if not steps:
         return None
-    before, after = (mean_over_steps([row for row in rows if row["motion"] in steps], seconds_with_edit)
+    before, after = (mean_over_steps([row for row in rows if row["step"] in steps], seconds_with_edit)
                      for rows in (baseline, subject))
     return before / after
 

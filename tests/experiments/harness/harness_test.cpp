@@ -78,7 +78,7 @@ TEST_F(Harness, ARowForEachMotionEntrantAndRound) {
   EXPECT_EQ(rows.size(), 3u * 4u * 2u);
   std::set<std::string> keys;
   for (const json& row : rows) {
-    keys.insert(row.at("pipeline").get<std::string>() + row.at("motion").dump() + "/" + row.at("round").dump());
+    keys.insert(row.at("pipeline").get<std::string>() + row.at("step").dump() + "/" + row.at("round").dump());
     EXPECT_GT(row.at("seconds").get<double>(), 0);
     EXPECT_GE(row.at("broad_phase_prepare_s").get<double>(), row.at("bounds_s").get<double>());
   }
@@ -89,7 +89,7 @@ TEST_F(Harness, CountsRepeatForAnyNumberOfThreadsAndRounds) {
   const ExperimentPlan three = plan(3, {{2, 2}});
   const std::vector<json> once = rows_of(plan(1, {{2, 2}}), 1, "once");
   std::map<std::string, json> expected;
-  const auto key = [](const json& row) { return row.at("pipeline").get<std::string>() + row.at("motion").dump(); };
+  const auto key = [](const json& row) { return row.at("pipeline").get<std::string>() + row.at("step").dump(); };
   for (const json& row : once) expected[key(row)] = counts_of(row);
   for (const unsigned threads : {1u, 3u})
     for (const json& row : rows_of(three, threads, "t" + std::to_string(threads))) {
@@ -141,8 +141,8 @@ TEST_F(Harness, RoundsRunForwardFromTheStepBeforeTheWindow) {
       EXPECT_EQ(runs % round, 0u) << "a stalled round is measured again, which may happen beside other work";
       const int edited = model == MotionModel::tentative ? 4 : 3;
       for (const json& row : record.rows()) {
-        EXPECT_EQ(row.at("topology_seconds").get<double>() > 0, row.at("motion") == edited)
-            << "motion " << row.at("motion") << ", round " << row.at("round");
+        EXPECT_EQ(row.at("topology_seconds").get<double>() > 0, row.at("step") == edited)
+            << "motion " << row.at("step") << ", round " << row.at("round");
         EXPECT_GT(row.at("first_seconds").get<double>(), 0);
       }
     }

@@ -83,7 +83,7 @@ std::vector<json> entrant_rows(const std::vector<double>& seconds, const json& o
                       {"variant", ""},
                       {"threads", 1},
                       {"separation", 0.0},
-                      {"motion", step},
+                      {"step", step},
                       {"round", round},
                       {"seconds", seconds[round]},
                       {"topology_seconds", 0.0},

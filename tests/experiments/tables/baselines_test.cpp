@@ -20,7 +20,7 @@ using nlohmann::json;
 json rows_of_times(const std::vector<std::vector<double>>& steps) {
   json rows = json::array();
   for (std::size_t step = 0; step < steps.size(); ++step)
-    for (const double seconds : steps[step]) rows.push_back({{"motion", step + 1}, {"seconds", seconds}});
+    for (const double seconds : steps[step]) rows.push_back({{"step", step + 1}, {"seconds", seconds}});
   return {{"rows", rows}};
 }
 
@@ -102,7 +102,7 @@ TEST_F(Baselines, AllFindTheSameContacts) {
   std::set<std::string> entrants;
   const json made = record();
   for (const json& row : made.at("rows")) {
-    hashes[row.at("motion")].insert(row.at("contacts_hash"));
+    hashes[row.at("step")].insert(row.at("contacts_hash"));
     entrants.insert(row.at("pipeline").get<std::string>() + "/" + row.at("variant").get<std::string>());
   }
   EXPECT_GE(entrants.size(), 8u);
@@ -131,7 +131,7 @@ TEST_F(Baselines, TheStrongestIsTheFastestThatIsNotOurs) {
 TEST_F(Baselines, TablesHaveStepsWithAndWithoutContactsAndPipelinesOfTheCaller) {
   json made = record({"HashCCD"});
   for (json& row : made["rows"])
-    if (row.at("motion") < 3) row["contacts"] = 0;
+    if (row.at("step") < 3) row["contacts"] = 0;
   const std::vector<TitledTable> tables = baselines_tables(made);
   EXPECT_NE(render(tables, TableFormat::text).find("HashCCD"), std::string::npos);
   EXPECT_EQ(tables.size(), 5u) << "none of seeds";

@@ -12,7 +12,7 @@ using nlohmann::json;
 
 json row(const char* scene, unsigned threads, const char* pipeline, const char* mesh, int motion, double seconds) {
   return {{"scene", scene},     {"threads", threads}, {"pipeline", pipeline},
-          {"mesh", mesh},       {"motion", motion},   {"round", 0},
+          {"mesh", mesh},       {"step", motion},     {"round", 0},
           {"seconds", seconds}, {"elements", 100},    {"topology_seconds", 0.001},
           {"contacts", 3}};
 }

@@ -19,7 +19,7 @@ json row(const char* variant, double filter_seconds, double culling_seconds, int
           {"scene", "octopi"},
           {"pipeline", "VolCCD"},
           {"variant", variant},
-          {"motion", 3},
+          {"step", 3},
           {"round", 0},
           {"elements", 10},
           {"seconds", 0.002},

@@ -76,7 +76,7 @@ TEST_F(FeatureSets, SeesWhatGoesThrough) {
   for (int k = 0; k < 3; ++k) {
     const nlohmann::json& motion = motions[static_cast<std::size_t>(k)];
     EXPECT_NEAR(motion.at("velocity").get<double>(), 4, 1e-12);
-    EXPECT_EQ(motion.at("motion"), k);
+    EXPECT_EQ(motion.at("step"), k);
     EXPECT_EQ(motion.at("time"), 0.25 * (k + 1));
     EXPECT_EQ(motion.at("elements"), 12);
     EXPECT_NEAR(motion.at("travel").get<double>(), k + 1, 1e-12);

@@ -35,7 +35,7 @@ TEST_F(FirstStepsExperiment, RowsHaveTheParts) {
     const json& row = rows[round];
     EXPECT_EQ(row.at("scene"), "cloth-ball");
     EXPECT_EQ(row.at("round"), round);
-    EXPECT_EQ(row.at("motion"), 0);
+    EXPECT_EQ(row.at("step"), 0);
     double sum = 0;
     for (const char* part : {"topology_s", "tree_s", "tables_s", "rest_s"}) {
       EXPECT_GT(row.at(part).get<double>(), 0) << part;
@@ -58,7 +58,7 @@ TEST_F(FirstStepsExperiment, TablesAndSummary) {
   for (int round = 0; round < 3; ++round)
     rows.push_back({{"scene", "a"},
                     {"round", round},
-                    {"motion", 7},
+                    {"step", 7},
                     {"threads", 2},
                     {"elements", 1000},
                     {"topology_s", 0.001 * round},

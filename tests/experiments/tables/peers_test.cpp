@@ -100,7 +100,7 @@ TEST_F(PeersExperiment, AFileOfOneMotionHasAMotionBeforeIt) {
   write_scene(*make_scene("builtin", {{"elements", "200"}, {"steps", "2"}}), file_);
   const std::vector<json> rows = made_rows(peers_rows, context("cloth-ball"));
   ASSERT_EQ(rows.size(), 4u * 3);
-  for (const json& row : rows) EXPECT_EQ(row.at("motion"), 0);
+  for (const json& row : rows) EXPECT_EQ(row.at("step"), 0);
   const json summary = peers_summary({{"rows", rows}});
   for (const json& row : summary) EXPECT_TRUE(row.at("speedup_fastest_peer").is_null()) << "there is no peer";
 }

@@ -193,7 +193,7 @@ TEST_F(Plus, RowsOnTheBoundaryHaveItsSizesAndItsContacts) {
     const bool on_boundary = row.at("pipeline").get<std::string>().starts_with("boundary alone");
     EXPECT_EQ(row.at("mesh"), on_boundary ? "boundary" : "whole");
     EXPECT_EQ(row.at("elements") == row.at("triangle_count"), on_boundary) << "triangles alone";
-    EXPECT_LE(row.at("window"), row.at("motion"));
+    EXPECT_LE(row.at("window"), row.at("step"));
     if (row.at("pipeline") == "VolCCD+") contacts += row.at("contacts").get<double>();
     if (on_boundary)
       (row.at("pipeline") == "boundary alone" ? boundary_contacts : plain) += row.at("contacts").get<double>();
@@ -217,7 +217,7 @@ TEST_F(Plus, SummaryHasTheDocumentedKeysAndRatios) {
          {"scene", "threads", "volccd_ms", "volccd_plus_ms", "boundary_only_ms", "boundary_without_flood_ms",
           "speedup_volccd", "volume_over_surface", "flood_gain", "contacts"})
       EXPECT_TRUE(line.contains(key)) << key;
-    EXPECT_EQ(line.at("motions"), 3);
+    EXPECT_EQ(line.at("steps"), 3);
     EXPECT_NEAR(line.at("speedup_volccd").get<double>() * line.at("volccd_plus_ms").get<double>(),
                 line.at("volccd_ms").get<double>(), 1e-9);
     EXPECT_NEAR(line.at("volume_over_surface").get<double>() * line.at("boundary_only_ms").get<double>(),

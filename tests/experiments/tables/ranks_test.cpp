@@ -64,16 +64,26 @@ TEST_F(RanksExperiment, RowsOfEachMotionAndNumberOfRanks) {
 TEST_F(RanksExperiment, TablesAndSummary) {
   json rows = json::array();
   for (int round = 0; round < 3; ++round)
-    rows.push_back({{"scene", "a"},         {"case", "substep"},
-                    {"divisions", 1},       {"elements", 1000},
-                    {"ranks", 16},          {"round", round},
-                    {"motion", 7},          {"threads", 1},
-                    {"whole_s", 0.1},       {"slowest_s", 0.008 + 0.002 * round},
-                    {"sum_s", 0.12},        {"imbalance", 1.25},
-                    {"copies", 1.5},        {"halo", 0.5},
-                    {"tests", 210},         {"whole_tests", 200},
-                    {"bytes_max", 1000000}, {"bytes_mean", 500000.0},
-                    {"neighbours_max", 10}, {"contacts", 5},
+    rows.push_back({{"scene", "a"},
+                    {"case", "substep"},
+                    {"divisions", 1},
+                    {"elements", 1000},
+                    {"ranks", 16},
+                    {"round", round},
+                    {"step", 7},
+                    {"threads", 1},
+                    {"whole_s", 0.1},
+                    {"slowest_s", 0.008 + 0.002 * round},
+                    {"sum_s", 0.12},
+                    {"imbalance", 1.25},
+                    {"copies", 1.5},
+                    {"halo", 0.5},
+                    {"tests", 210},
+                    {"whole_tests", 200},
+                    {"bytes_max", 1000000},
+                    {"bytes_mean", 500000.0},
+                    {"neighbours_max", 10},
+                    {"contacts", 5},
                     {"warm_ups", 8}});
   const json record = {{"rows", rows}}, line = ranks_summary(record).at(0);
   EXPECT_NEAR(line.at("speedup_slowest").get<double>(), 10, 1e-9) << "of the median round";

@@ -33,7 +33,7 @@ class SameContacts : public Harness {
                           {"edges", name_of(run.config.edge_set)},
                           {"pipeline", entrant.pipeline},
                           {"variant", entrant.variant},
-                          {"motion", motion},
+                          {"step", motion},
                           {"contacts_hash", "1f"},
                           {"contacts", 7},
                           {"undecided", 0}});
@@ -41,7 +41,7 @@ class SameContacts : public Harness {
   }
   static json& row_of(std::vector<json>& rows, const std::string& pipeline, const std::string& test, int motion) {
     for (json& row : rows)
-      if (row.at("pipeline") == pipeline && row.at("variant") == "narrow-phase=" + test && row.at("motion") == motion)
+      if (row.at("pipeline") == pipeline && row.at("variant") == "narrow-phase=" + test && row.at("step") == motion)
         return row;
     throw Error("no such row");
   }

@@ -124,7 +124,7 @@ TEST_F(SubstepsExperiment, RowsTablesAndSummary) {
     expect_described(one, "substeps_summary");
     EXPECT_EQ(one.at("scene"), "octopi");
     EXPECT_EQ(one.at("substeps"), kSubsteps[i]);
-    EXPECT_EQ(one.at("motions"), kSubsteps[i] == 10 ? 8 : 2);
+    EXPECT_EQ(one.at("steps"), kSubsteps[i] == 10 ? 8 : 2);
     EXPECT_DOUBLE_EQ(one.at("separation").get<double>(), summary[0].at("separation").get<double>());
     for (const std::string key : {"fresh_ms", "list_ms", "speedup"}) {
       EXPECT_GT(one.at(key + "_min").get<double>(), 0);
@@ -142,7 +142,7 @@ TEST_F(SubstepsExperiment, TheSummaryHasMediansAndExtremesOfTheRounds) {
     for (int motion = 4; motion < 6; ++motion)
       rows.push_back({{"scene", "octopi"},
                       {"substeps", 10},
-                      {"motion", motion},
+                      {"step", motion},
                       {"window", 4},
                       {"round", round},
                       {"threads", 1},
@@ -191,7 +191,7 @@ TEST_F(SubstepsExperiment, AFileOfOneMotionIsItsOwnWarmUp) {
   write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "2"}}), file_);
   const std::vector<json> rows = made_rows(substeps_rows, context(registry_, "cloth-ball"));
   ASSERT_EQ(rows.size(), 3u * 3);
-  for (const json& row : rows) EXPECT_EQ(row.at("motion"), 0);
+  for (const json& row : rows) EXPECT_EQ(row.at("step"), 0);
 }
 
 /// What was measured before an interruption is not measured again.
