@@ -113,7 +113,7 @@ struct Detector::State {
   void make_lists();
   void make_piece(const ReceivedElements& received);
   void run(const Request& request);
-  void take_result(const Request& request);
+  void collect_result(const Request& request);
   void keep_first();
 
   Exchange& exchange;
@@ -227,11 +227,11 @@ const RankResult& Detector::step(const Motion& own, const Request& request) {
   rank.neighbours = s.import.neighbours();
   rank.lists = anew;
   run_on_all(s.exchange, "step", [&] { s.run(request); });
-  s.take_result(request);
+  s.collect_result(request);
   if (request.query == Query::first) s.keep_first();
   s.imbalance.add_step(s.exchange, rank.seconds, rank.seconds + rank.piece_seconds, rank.elements,
                        std::exchange(s.cuts_made, false));
-  s.lists_made = !s.imbalance.wants_cuts();
+  s.lists_made = !s.imbalance.needs_cuts();
   return s.result;
 }
 
@@ -269,7 +269,7 @@ void Detector::State::make_lists() {
     const StageTimer timer(clock, seconds);
     boxes = home->element_boxes(executor);
   }
-  if (!divided || imbalance.wants_cuts()) {
+  if (!divided || imbalance.needs_cuts()) {
     const std::vector<double> density = divided ? imbalance.density(exchange) : std::vector<double>();
     regions = detail::divide(exchange, boxes, regions, density);
     region = regions.region(exchange.rank());
@@ -326,12 +326,12 @@ void Detector::State::run(const Request& request) {
 }
 
 /// What the pipeline found, with ids.
-void Detector::State::take_result(const Request& request) {
+void Detector::State::collect_result(const Request& request) {
   result.rank.elements = held;
   result.rank.copies = copies;
   result.rank.halo = piece.halo();
   if (piece.empty()) return;
-  const StepResult found = runner->take_result();
+  const StepResult found = runner->release_result();
   result.statistics = found.statistics;
   result.rank.tests = found.statistics.tests();
   result.rank.contacts = found.contacts.size();

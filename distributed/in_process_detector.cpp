@@ -123,7 +123,7 @@ void InProcessDetector::step_of_rank(Exchange& exchange, const Topology& topolog
     rank.detector.set_mesh(elements_in(mesh, part_of(mesh.element_slots(), exchange.rank(), exchange.size())),
                            {ids.begin(), ids.end()}, topology.features().edge_set());
   }
-  take_part(motion, vertices, rank.motion);
+  copy_motion(motion, vertices, rank.motion);
   rank.detector.step(rank.motion, request);
 }
 

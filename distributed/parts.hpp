@@ -32,7 +32,7 @@ inline Elements elements_in(const Mesh& mesh, PartRange slots) {
 }
 
 /// Makes `part` the motion of the vertices in a range of slots.
-inline void take_part(const Motion& whole, PartRange slots, Motion& part) {
+inline void copy_motion(const Motion& whole, PartRange slots, Motion& part) {
   if (part.vertex_count() != slots.size() || part.control_points() != whole.control_points())
     part = Motion(slots.size(), whole.control_points());
   for (Index v = 0; v < slots.size(); ++v)

@@ -96,7 +96,7 @@ std::string cell_data(const std::vector<Feature>& features, double begin, double
   add(double{}, "Float64", "TimeOfImpact", [](const Feature& f) { return f.toi; });
   add(double{}, "Float64", "Time", [&](const Feature& f) { return begin + f.toi * length; });
   add(std::uint8_t{}, "UInt8", "AtStart", [](const Feature& f) { return f.at_start ? 1 : 0; });
-  add(std::int64_t{}, "Int64", "Part", [](const Feature& f) { return f.side.part; });
+  add(std::int64_t{}, "Int64", "Object", [](const Feature& f) { return f.side.object; });
   add(std::int64_t{}, "Int64", "Element", [](const Feature& f) { return f.side.element; });
   return text + "</CellData>\n";
 }

@@ -16,9 +16,9 @@ namespace volccd {
 /// run.pvd lists run_0000.vtp, run_0001.vtp, ... in the same folder, of one time each. The file of a step's end has
 /// each vertex, edge and triangle that is in contact in the step, once, where it is at that end; the first file, of the
 /// time before all steps, is empty. Cell data: Feature (0: vertex, 1: edge, 2: triangle), Contacts (how many of the
-/// step have it), TimeOfImpact (the earliest, in [0, 1] of the step), Time (the same, of the sequence), AtStart, Part,
-/// Element (ContactSide). Point data: VertexIds. The files of the steps are complete as soon as they are there; the
-/// .pvd is written at the end, by the rules of OutputFile. O(n log n) a step for n contacts.
+/// step have it), TimeOfImpact (the earliest, in [0, 1] of the step), Time (the same, of the sequence), AtStart,
+/// Object, Element (ContactSide). Point data: VertexIds. The files of the steps are complete as soon as they are there;
+/// the .pvd is written at the end, by the rules of OutputFile. O(n log n) a step for n contacts.
 class ContactFeaturesWriter {
  public:
   /// Why the .pvd has to be a regular file.
@@ -29,7 +29,7 @@ class ContactFeaturesWriter {
   /// Throws InputError if the file cannot be written, or is no regular file.
   explicit ContactFeaturesWriter(const std::string& file);
 
-  /// Contacts of motion `step`, from `begin_time` to `end_time`, in any order. `step` is greater than before. Throws
+  /// Contacts of this step, from `begin_time` to `end_time`, in any order. `step` is greater than before. Throws
   /// InputError if the file of the step cannot be written; the steps before are kept.
   void write_step(int step, double begin_time, double end_time, std::span<const Contact> contacts, const Mesh& mesh,
                   const Motion& motion);

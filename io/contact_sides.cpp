@@ -11,10 +11,10 @@ std::array<ContactSide, 2> contact_sides(const Contact& contact, const Mesh& mes
   return sides;
 }
 
-void add_part_pairs(int step, std::span<const Contact> contacts, const Mesh& mesh, PartPairs& pairs) {
+void count_object_pairs(int step, std::span<const Contact> contacts, const Mesh& mesh, ObjectPairs& pairs) {
   for (const Contact& contact : contacts) {
     const std::array<ContactSide, 2> sides = contact_sides(contact, mesh);
-    PartPairCount& count = pairs[std::minmax(sides[0].part, sides[1].part)];
+    ObjectPairCount& count = pairs[std::minmax(sides[0].object, sides[1].object)];
     if (count.vf + count.ee == 0) count.first_step = step;
     ++(contact.kind == FeatureKind::vf ? count.vf : count.ee);
     if (count.first_step == step) count.first_toi = std::min(count.first_toi, contact.toi);

@@ -18,7 +18,7 @@ namespace volccd {
 namespace {
 
 constexpr std::string_view kHeader =
-    "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,part_1,part_2,element_1,element_2";
+    "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,object_1,object_2,element_1,element_2";
 
 /// A header that can be read, and which columns after toi it has.
 struct HeaderInfo {
@@ -26,10 +26,12 @@ struct HeaderInfo {
   bool geometry, at_start, sides;
 };
 
-constexpr HeaderInfo kHeaders[] = {{kHeader, true, true, true},
-                                   {"step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start", true, true, false},
-                                   {"step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz", true, false, false},
-                                   {"step,kind,a,b,c,d,toi", false, false, false}};
+constexpr HeaderInfo kHeaders[] = {
+    {kHeader, true, true, true},
+    {"step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,part_1,part_2,element_1,element_2", true, true, true},
+    {"step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start", true, true, false},
+    {"step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz", true, false, false},
+    {"step,kind,a,b,c,d,toi", false, false, false}};
 
 const HeaderInfo* find_header(std::string_view text) {
   for (const HeaderInfo& header : kHeaders)
@@ -78,7 +80,7 @@ void append_csv_row(const ContactRow& row, const std::string& file, std::string&
     text.append(",").append(digits, end);
   }
   text += row.at_start ? ",1" : ",0";
-  for (const ContactSide& side : row.sides) text += "," + std::to_string(side.part);
+  for (const ContactSide& side : row.sides) text += "," + std::to_string(side.object);
   for (const ContactSide& side : row.sides) text += "," + std::to_string(side.element);
   text += "\n";
 }
@@ -132,7 +134,7 @@ class RowParser {
       row.at_start = flag == "1";
     }
     if (header.sides) {
-      for (ContactSide& side : row.sides) side.part = integer("part");
+      for (ContactSide& side : row.sides) side.object = integer("object");
       for (ContactSide& side : row.sides) side.element = element();
     }
     if (!at_end_) fail("has too many fields");

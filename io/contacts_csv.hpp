@@ -1,12 +1,12 @@
 // Contacts as a CSV file: a header, then one row for each contact.
 //
-//     step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,part_1,part_2,element_1,element_2
+//     step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,object_1,object_2,element_1,element_2
 //
-// step is the index k of the motion k -> k+1. Kind VF: a = vertex, b < c < d = triangle; kind EE: a < b, c < d, (a,b) <
-// (c,d); all are vertex ids. toi, normal and point have 17 significant digits, so that reading them gives the same
-// doubles. at_start is 1 or 0, as Contact::at_start. part_1 and element_1 are the ContactSide of the first feature
-// (vertex, edge a b), part_2 and element_2 that of the second. If a file ends before the last requested step, its last
-// line begins with kIncompleteMark and says which steps are complete, and why the others are missing.
+// step is k for the step from frame k to frame k+1. Kind VF: a = vertex, b < c < d = triangle; kind EE: a < b, c < d,
+// (a,b) < (c,d); all are vertex ids. toi, normal and point have 17 significant digits, so that reading them gives the
+// same doubles. at_start is 1 or 0, as Contact::at_start. object_1 and element_1 are the ContactSide of the first
+// feature (vertex, edge a b), object_2 and element_2 that of the second. If a file ends before the last requested step,
+// its last line begins with kIncompleteMark and says which steps are complete, and why the others are missing.
 #pragma once
 
 #include <array>
@@ -41,11 +41,11 @@ struct ContactRow {
 /// Canonical order: step, kind (VF first), ids.
 bool canonical_less(const ContactRow& x, const ContactRow& y);
 
-/// The row of a contact in motion `step`.
+/// The row of a contact in this step.
 ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh);
 
-/// The first line of the file, and a row of it, both with the end of the line. Throws InputError that names `file` for a
-/// number that is not finite.
+/// The first line of the file, and a row of it, both with the end of the line. Throws InputError that names `file` for
+/// a number that is not finite.
 std::string contacts_csv_header();
 void append_csv_row(const ContactRow& row, const std::string& file, std::string& text);
 
@@ -57,7 +57,7 @@ class ContactsCsvWriter {
   ContactsCsvWriter(ContactsCsvWriter&&) noexcept;
   ~ContactsCsvWriter();
 
-  /// Contacts of motion `step` on `mesh`, in any order. `step` is greater than before.
+  /// Contacts of this step on `mesh`, in any order. `step` is greater than before.
   void write_step(int step, std::span<const Contact> contacts, const Mesh& mesh);
   void finish();
   StepsDone finish_incomplete(const StepsDone& steps);

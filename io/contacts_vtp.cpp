@@ -27,8 +27,8 @@ std::string point_data(const std::vector<ContactRow>& rows, const std::vector<do
                                    [&](std::size_t i, std::size_t) { return rows[i].at_start ? 1 : 0; });
   for (const std::size_t side : {0, 1}) {
     const std::string number = std::to_string(side + 1);
-    text += arrays.add<std::int64_t>("Int64", ("Part" + number).c_str(), n, 1,
-                                     [&](std::size_t i, std::size_t) { return rows[i].sides[side].part; });
+    text += arrays.add<std::int64_t>("Int64", ("Object" + number).c_str(), n, 1,
+                                     [&](std::size_t i, std::size_t) { return rows[i].sides[side].object; });
     text += arrays.add<std::int64_t>("Int64", ("Element" + number).c_str(), n, 1,
                                      [&](std::size_t i, std::size_t) { return rows[i].sides[side].element; });
   }

@@ -15,15 +15,15 @@
 namespace volccd {
 
 /// A point per contact of all steps, at Contact::point, in the order of contacts.csv. Point data: Normal (3), Step (k
-/// of the motion k -> k+1), TimeOfImpact (in [0, 1] of the step), Time (of the sequence), Kind (0: VF, 1: EE),
-/// AtStart, Part1, Part2, Element1, Element2 (ContactSide), VertexIds (4). Written at the end: the contacts are kept
-/// in memory until then, about 200 bytes each.
+/// of the step k -> k+1), TimeOfImpact (in [0, 1] of the step), Time (of the sequence), Kind (0: VF, 1: EE),
+/// AtStart, Object1, Object2, Element1, Element2 (ContactSide), VertexIds (4). Written at the end: the contacts are
+/// kept in memory until then, about 200 bytes each.
 class ContactsVtpWriter {
  public:
   /// Throws InputError if the file cannot be written.
   explicit ContactsVtpWriter(const std::string& file);
 
-  /// Contacts of motion `step`, from `begin_time` to `end_time`, in any order. `step` is greater than before.
+  /// Contacts of this step, from `begin_time` to `end_time`, in any order. `step` is greater than before.
   void write_step(int step, double begin_time, double end_time, std::span<const Contact> contacts, const Mesh& mesh);
   /// Writes the file by the rules of OutputFile.
   void finish();

@@ -99,7 +99,7 @@ struct Query {
   std::atomic<bool> failed{false};
 };
 
-void take_pairs(void* user, RTCCollision* collisions, unsigned count) {
+void collect_pairs(void* user, RTCCollision* collisions, unsigned count) {
   Query& query = *static_cast<Query*>(user);
   if (query.failed.load(std::memory_order_relaxed)) return;
   EmbreeState& state = *query.state;
@@ -155,7 +155,7 @@ class EmbreeCollide final : public PeerPhase {
     EmbreeState& state = static_cast<EmbreeState&>(peer);
     Query query;
     query.state = &state;
-    arena_of(state, executor.workers()).execute([&] { rtcCollide(state.scene, state.scene, take_pairs, &query); });
+    arena_of(state, executor.workers()).execute([&] { rtcCollide(state.scene, state.scene, collect_pairs, &query); });
     if (query.failure) std::rethrow_exception(query.failure);
     state.check();
   }

@@ -62,7 +62,7 @@ void set_boxes(FclState& state) {
   }
 }
 
-bool take_pair(Object* a, Object* b, void* state) {
+bool collect_pair(Object* a, Object* b, void* state) {
   const auto position = [](const Object* object) {
     return static_cast<Index>(reinterpret_cast<std::uintptr_t>(object->getUserData()));
   };
@@ -103,7 +103,7 @@ class FclDynamicTree final : public PeerPhase {
 
   void collide(PeerState& peer, Executor&) const override {
     FclState& state = static_cast<FclState&>(peer);
-    state.manager.collide(&state, take_pair);
+    state.manager.collide(&state, collect_pair);
   }
 
  private:

@@ -11,7 +11,8 @@ namespace volccd {
 /// differ in lightness as well as in hue. The first twelve are followed by lighter and darker variants of them.
 Colour object_colour(std::size_t index);
 
-/// Colours of marks of contacts between parts and within a part: dark; the marks also differ in shape.
+/// Colours of marks of contacts between objects and within an object: dark; the marks also differ in shape.
 inline constexpr Colour kInterColour{200, 16, 46}, kIntraColour{24, 44, 120};
+inline constexpr Colour kTextColour{30, 32, 38};
 
 }  // namespace volccd

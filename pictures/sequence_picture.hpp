@@ -37,8 +37,8 @@ struct PictureConfig {
   /// viewer's side of each plane is removed.
   std::vector<std::string> cuts = {};
   /// Ids or names of objects to draw and to leave out (case-insensitive), separated by commas, or by semicolons if a
-  /// name has a comma. Empty `parts`: all of them.
-  std::string parts = {}, without = {};
+  /// name has a comma. Empty `objects`: all of them.
+  std::string objects = {}, without = {};
   /// "object=#rrggbb", with the id or name of an object: replaces the colour of the palette.
   std::vector<std::string> colours = {};
   bool contacts = true;    ///< of the step from `frame` to `frame` + 1; at the last frame, of the step before

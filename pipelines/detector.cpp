@@ -152,7 +152,7 @@ const Mesh& Detector::mesh() const { return state_->mesh(); }
 const Topology& Detector::topology() const { return state_->topology; }
 bool Detector::thickens_shells() const { return state_->shells.has_value(); }
 const StepResult& Detector::result() const { return state_->runner.result(); }
-StepResult Detector::take_result() { return state_->runner.take_result(); }
+StepResult Detector::release_result() { return state_->runner.release_result(); }
 const Pipeline& Detector::pipeline() const { return state_->runner.pipeline(); }
 Executor& Detector::executor() const { return state_->runner.executor(); }
 double Detector::separation() const { return state_->runner.separation(); }

@@ -104,9 +104,9 @@ class Detector {
   const Topology& topology() const;
   bool thickens_shells() const;
 
-  /// The result of the last step; valid until the next one. take_result() moves it out.
+  /// The result of the last step; valid until the next one. release_result() moves it out.
   const StepResult& result() const;
-  StepResult take_result();
+  StepResult release_result();
 
   const Pipeline& pipeline() const;
   Executor& executor() const;

@@ -65,7 +65,7 @@ const StepResult& StepRunner::run(const Topology& topology, const Motion& motion
     }
   } catch (...) {
     list_.clear();
-    sample_.forget();
+    sample_.clear();
     throw;
   }
   result_.statistics.list_seconds = list_seconds;
@@ -91,7 +91,7 @@ bool StepRunner::reuse_list(const Step& step, const Request& request, double& li
     covered = list_.covers(pipeline_, step, *executor_);
   }
   if (!covered) {
-    policy_.record_end(distance_, list_.reached() < 1 ? list_.distance() : 0, list_seconds);
+    policy_.record_end(distance_, list_.prediction_time() < 1 ? list_.distance() : 0, list_seconds);
     return false;
   }
   distance_ = std::max(distance_, list_.distance());
@@ -138,7 +138,7 @@ void StepRunner::run_tests(const Step& step, Request request, double list_second
   }
 }
 
-StepResult StepRunner::take_result() { return std::exchange(result_, {}); }
+StepResult StepRunner::release_result() { return std::exchange(result_, {}); }
 
 void StepRunner::set_separation(double separation) {
   if (!(separation >= 0) || !std::isfinite(separation))

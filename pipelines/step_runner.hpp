@@ -51,7 +51,7 @@ class StepRunner {
   /// The result of the last step; valid until the next one.
   const StepResult& result() const { return result_; }
   /// Moves the result of the last step out; result() is empty afterwards.
-  StepResult take_result();
+  StepResult release_result();
 
   const Pipeline& pipeline() const { return pipeline_; }
   Executor& executor() const { return *executor_; }

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -22,6 +23,10 @@ namespace volccd {
 namespace {
 
 constexpr std::size_t kNameWidth = 30;  ///< columns of the names of options and commands
+
+/// Former and present names, for messages.
+constexpr std::pair<const char*, const char*> kRenamedOptions[] = {
+    {"--parts", "--objects"}, {"--step", "--frames"}, {"--steps", "--frames"}, {"--mesh-step", "--mesh-frame"}};
 
 class HelpFormatter : public CLI::Formatter {
  public:
@@ -220,6 +225,9 @@ std::string unexpected_arguments(const CLI::App& app) {
     for (const std::string& long_name : one->get_lnames()) known.push_back("--" + long_name);
     for (const std::string& short_name : one->get_snames()) known.push_back("-" + short_name);
   }
+  for (const auto& [former, present] : kRenamedOptions)
+    if (name == former && std::find(known.begin(), known.end(), present) != known.end())
+      return fmt::format("{}: option '{}' is called '{}' now", path, former, present);
   return fmt::format("{} has no option '{}'{}; `{} --help` lists them", path, name, did_you_mean(name, known), path);
 }
 

@@ -33,7 +33,7 @@ void ContactQueryOptions::add_to(CLI::App& command) {
           "and a number of steps ahead; the contacts are the same; default: auto with --substeps, off without")
       ->type_name("off|auto|B:N");
   query.add_to(command);
-  sequence.add_parts_to(command);
+  sequence.add_objects_to(command);
 }
 
 Request ContactQueryOptions::request() const {

@@ -35,7 +35,7 @@ struct DetectOptions : ContactQueryOptions {
   std::optional<int> ranks;
 };
 
-constexpr std::size_t kPartPairsShown = 20;
+constexpr std::size_t kObjectPairsShown = 20;
 
 std::string time_text(double toi) { return std::isfinite(toi) ? fmt::format("{:.6f}", toi) : "-"; }
 
@@ -126,7 +126,7 @@ class Detection {
       stats_->commit();
       note(options_.stats, "statistics", steps, steps);
     }
-    if (report_->wants_json()) report_->write("detect", stats(steps));
+    if (report_->is_json()) report_->write("detect", stats(steps));
     print_incomplete(steps, report_->people());
     return exit_code(steps);
   }
@@ -183,7 +183,7 @@ class Detection {
     if (vtk_) vtk_->write_step(number, begin, end, result.contacts, topology.mesh());
     if (features_) features_->write_step(number, begin, end, result.contacts, topology.mesh(), motion);
     if (overlaps_) overlaps_->write_step(number, overlap_rows(number, result.initial_overlaps));
-    add_part_pairs(number, result.contacts, topology.mesh(), part_pairs_);
+    count_object_pairs(number, result.contacts, topology.mesh(), object_pairs_);
   }
 
   void run_ranks(const Topology& topology, const Motion& motion) {
@@ -228,7 +228,7 @@ class Detection {
                    table.text(report_->width()));
     print_summary();
     if (leaves_out_shell_neighbours()) report_->print("{}\n", kShellNeighboursLeftOut);
-    print_part_pairs();
+    print_object_pairs();
     print_stages(total_, request_.initial_overlaps, *report_);
     if (ranks_) report_->print("\n{}", rank_table(rank_sums_, elements_, report_->width()));
   }
@@ -267,37 +267,37 @@ class Detection {
     return unit.empty() ? unit : " [" + unit + "]";
   }
 
-  std::string part_name(std::int64_t part) const {
-    const auto& names = reader_.metadata().part_names;
-    const auto found = names.find(static_cast<std::int32_t>(part));
+  std::string object_name(std::int64_t object) const {
+    const auto& names = reader_.metadata().object_names;
+    const auto found = names.find(static_cast<std::int32_t>(object));
     if (options_.sequence.config.objects != ObjectModel::stored || found == names.end() || found->second.empty())
-      return std::to_string(part);
-    return fmt::format("{} {}", part, found->second.substr(0, 24));
+      return std::to_string(object);
+    return fmt::format("{} {}", object, found->second.substr(0, 24));
   }
 
   /// The pairs with the most contacts.
-  void print_part_pairs() const {
-    if (part_pairs_.empty() || !report_->for_people()) return;
-    std::vector<PartPairs::const_pointer> pairs;
-    for (const PartPairs::value_type& pair : part_pairs_) pairs.push_back(&pair);
+  void print_object_pairs() const {
+    if (object_pairs_.empty() || !report_->for_people()) return;
+    std::vector<ObjectPairs::const_pointer> pairs;
+    for (const ObjectPairs::value_type& pair : object_pairs_) pairs.push_back(&pair);
     const auto contacts = [](const auto* pair) { return pair->second.vf + pair->second.ee; };
     std::stable_sort(pairs.begin(), pairs.end(),
                      [&](const auto* a, const auto* b) { return contacts(a) > contacts(b); });
     TextTable table({"object", "and object", "VF contacts", "EE contacts", "first in step", "at t"}, 2);
-    for (std::size_t i = 0; i < std::min(pairs.size(), kPartPairsShown); ++i) {
-      const auto& [parts, count] = *pairs[i];
-      table.add({part_name(parts.first), parts.first == parts.second ? "(itself)" : part_name(parts.second),
+    for (std::size_t i = 0; i < std::min(pairs.size(), kObjectPairsShown); ++i) {
+      const auto& [objects, count] = *pairs[i];
+      table.add({object_name(objects.first), objects.first == objects.second ? "(itself)" : object_name(objects.second),
                  grouped(count.vf), grouped(count.ee), std::to_string(count.first_step), time_text(count.first_toi)});
     }
     report_->print("\n{}", table.text(report_->width()));
-    if (pairs.size() > kPartPairsShown)
-      report_->print("and {} more pairs of objects: --json lists all\n", grouped(pairs.size() - kPartPairsShown));
+    if (pairs.size() > kObjectPairsShown)
+      report_->print("and {} more pairs of objects: --json lists all\n", grouped(pairs.size() - kObjectPairsShown));
   }
 
-  nlohmann::json part_pairs_json() const {
+  nlohmann::json object_pairs_json() const {
     nlohmann::json pairs = nlohmann::json::array();
-    for (const auto& [parts, count] : part_pairs_)
-      pairs.push_back({{"parts", {parts.first, parts.second}},
+    for (const auto& [objects, count] : object_pairs_)
+      pairs.push_back({{"objects", {objects.first, objects.second}},
                        {"vf_contacts", count.vf},
                        {"ee_contacts", count.ee},
                        {"first_step", count.first_step},
@@ -320,7 +320,7 @@ class Detection {
             {"query", options_.first ? "first" : "all"},
             {"initial_overlaps", request_.initial_overlaps},
             {"pairs", name_of(options_.query.pairs)},
-            {"parts", name_of(options_.sequence.config.objects)},
+            {"objects", name_of(options_.sequence.config.objects)},
             {"separation", options_.query.separation_in(stepper_)},
             {"shells", name_of(options_.sequence.config.shells)},
             {"shell_neighbours", leaves_out_shell_neighbours() ? "leave-out" : "keep"},
@@ -334,7 +334,7 @@ class Detection {
             {"steps", steps},
             {"earliest_step", earliest_step() ? nlohmann::json(range_.begin + static_cast<int>(*earliest_step()))
                                               : nlohmann::json(nullptr)},
-            {"part_pairs", part_pairs_json()},
+            {"object_pairs", object_pairs_json()},
             {"total", to_json(total_)}};
   }
 
@@ -360,7 +360,7 @@ class Detection {
   bool noted_ = false;
   std::vector<Statistics> steps_;
   Statistics total_;
-  PartPairs part_pairs_;
+  ObjectPairs object_pairs_;
 };
 
 }  // namespace
@@ -396,7 +396,7 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
       "  volccd detect crash.vtkhdf --shells solid --pairs inter --first\n"
       "  volccd detect run.vtkhdf --motion tentative --stats stats.json\n"
       "  volccd detect crash.vtkhdf --shells solid --shell-neighbours keep --stats stats.json\n"
-      "  volccd detect two-bodies.vtkhdf --pairs inter --parts components");
+      "  volccd detect two-bodies.vtkhdf --pairs inter --objects components");
   command->callback([options, &registry, &action] {
     action = [options, &registry] {
       options->sequence.file = sequence_file(options->sequence.file);

@@ -19,7 +19,7 @@ namespace volccd {
 namespace {
 
 struct ExportOptions {
-  std::string file, steps, output;
+  std::string file, frames, output;
   ReportOptions report;
 };
 
@@ -48,7 +48,7 @@ int export_frames(const ExportOptions& options) {
   const Report report(options.report);
   SequenceReader reader(options.file);
   warn_of_incomplete(reader);
-  const StepRange range = parse_steps(options.steps, reader.frame_count(), options.file, "frame");
+  const StepRange range = parse_steps(options.frames, reader.frame_count(), options.file, "frame");
   OutputPlan plan;
   plan.input("FILE", options.file);
   for (int k = range.begin; k < range.end; ++k)
@@ -70,7 +70,7 @@ void add_export_command(CLI::App& scene, Action& action) {
       scene.add_subcommand("export", "a file for each frame, for VTK before 9.3 and ParaView before 5.12");
   const auto options = std::make_shared<ExportOptions>();
   command->add_option("FILE", options->file, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");
-  command->add_option("--steps", options->steps, "frames k with A <= k < B; or one frame K")->type_name("A:B");
+  command->add_option("--frames", options->frames, "frames k with A <= k < B; or one frame K")->type_name("A:B");
   command
       ->add_option(
           "-o,--output", options->output,
@@ -82,7 +82,7 @@ void add_export_command(CLI::App& scene, Action& action) {
       "Writes VTKHDF 1.0, which the VTK of Debian 12 (9.1) opens; ParaView takes the files as one series. A sequence "
       "itself is one temporal file, which VTK opens from 9.3 on.\n"
       "Example:\n"
-      "  volccd scene export run.vtkhdf --steps 0:10 -o run-steps.vtkhdf");
+      "  volccd scene export run.vtkhdf --frames 0:10 -o run-frames.vtkhdf");
   command->callback([options, &action] {
     action = [options] {
       options->file = sequence_file(options->file);

@@ -26,7 +26,7 @@ namespace {
 
 struct GenerateOptions {
   std::string name, output, mesh, stats;
-  int mesh_step = 0;
+  int mesh_frame = 0;
   bool quick = false;
   unsigned threads = 0;
   ReportOptions report;
@@ -95,11 +95,11 @@ void print_generated(const GenerateOptions& options) {
 
 int generate_simulated(const GenerateOptions& options, const SimulatedScene& scene) {
   const OptionValues values = options.given();
-  refuse_other_options(options, values, {"elements", "steps", "seed"});
+  refuse_other_options(options, values, {"elements", "frames", "seed"});
   if (options.quick && values.contains("elements")) throw ConfigError("--quick and --elements exclude each other");
   BakeSettings settings;
   settings.elements = option_number(values, "elements", options.quick ? scene.quick_elements : 0);
-  settings.frames = option_number(values, "steps", 0);
+  settings.frames = option_number(values, "frames", 0);
   settings.seed = option_number<std::uint64_t>(values, "seed", 1);
   check_outputs(options, baked_file(scene, settings));
   {
@@ -133,7 +133,7 @@ int generate_computed(const GenerateOptions& options) {
   } else {
     const std::string file = sequence_file(options.mesh, options.threads);
     check_outputs(options, file);
-    const Shape mesh = shape_from_file(file, options.mesh_step);
+    const Shape mesh = shape_from_file(file, options.mesh_frame);
     scene = make_scene(options.name, options.given(), &mesh);
   }
   const InterruptGuard guard;
@@ -180,7 +180,7 @@ std::map<std::string, std::string> option_texts() {
       text += (text.empty() ? "" : "; ") + scene.name + ": " + option.description;
     }
   texts["elements"] += "; simulated scenes: about";
-  texts["steps"] += "; simulated scenes: frames";
+  texts["frames"] += "; simulated scenes: frames";
   texts["seed"] += "; simulated scenes: for what is random in them";
   return texts;
 }
@@ -198,7 +198,7 @@ void add_generate_command(CLI::App& scene, Action& action) {
   add_threads_option(*command, options->threads);
   command->add_option("--mesh", options->mesh, "mesh to work on: a sequence file, or the name of a scene")
       ->type_name("FILE");
-  command->add_option("--mesh-step", options->mesh_step, "frame of that file")->capture_default_str();
+  command->add_option("--mesh-frame", options->mesh_frame, "frame of that file")->capture_default_str();
   for (const auto& [name, text] : option_texts())
     command->add_option("--" + name, options->values[name], text)->type_name("VALUE");
   options->report.add_quiet_to(*command);
@@ -211,7 +211,7 @@ void add_generate_command(CLI::App& scene, Action& action) {
       "  volccd scene generate crash --quick -o crash.vtkhdf\n"
       "  volccd scene generate builtin -o run.vtkhdf\n"
       "  volccd scene generate deform --mesh octopus.vtkhdf --motion twist,collide --copies 3 -o octopi.vtkhdf\n"
-      "  volccd scene generate deform --mesh octopus.vtkhdf --motion twist --amount 10 --steps 5 -o twist.vtkhdf");
+      "  volccd scene generate deform --mesh octopus.vtkhdf --motion twist --amount 10 --frames 5 -o twist.vtkhdf");
   command->callback([options, &action] { action = [options] { return generate_scene(*options); }; });
 }
 

@@ -100,14 +100,14 @@ nlohmann::json header_json(SequenceReader& reader) {
           {"units", about.units},
           {"time_unit", about.time_unit},
           {"incomplete", about.incomplete.empty() ? nlohmann::json(nullptr) : nlohmann::json(about.incomplete)},
-          {"steps", reader.frame_count()},
+          {"frames", reader.frame_count()},
           {"begin_time", reader.time(0)},
           {"end_time", reader.time(reader.frame_count() - 1)},
           {"points", reader.point_count()},
           {"has_velocity", reader.has_velocity()},
           {"has_thickness", reader.has_thickness()},
           {"has_query", reader.has_query()},
-          {"motions", nlohmann::json::array()}};
+          {"steps", nlohmann::json::array()}};
 }
 
 constexpr std::size_t kObjectsShown = 40;
@@ -129,7 +129,7 @@ std::string collapsed_text(const SequenceReader& reader) {
 }
 
 std::string object_name(const SequenceReader& reader, std::int32_t object, bool named) {
-  const auto& names = reader.metadata().part_names;
+  const auto& names = reader.metadata().object_names;
   const auto name = names.find(object);
   return name == names.end() || !named ? std::string() : name->second;
 }
@@ -155,12 +155,12 @@ void print_mesh(const Report& report, const SequenceReader& reader, const Topolo
 
 nlohmann::json mesh_json(const SequenceReader& reader, const Topology& topology, bool named) {
   const Census counts = census(topology.mesh());
-  nlohmann::json elements = nlohmann::json::object(), parts = nlohmann::json::array();
+  nlohmann::json elements = nlohmann::json::object(), objects = nlohmann::json::array();
   for (const auto& [type, count] : counts.types) elements[to_string(type)] = count;
   for (const auto& [object, count] : counts.objects)
-    parts.push_back({{"part", object}, {"name", object_name(reader, object, named)}, {"elements", count}});
+    objects.push_back({{"object", object}, {"name", object_name(reader, object, named)}, {"elements", count}});
   return {{"elements", elements},
-          {"parts", parts},
+          {"objects", objects},
           {"vertices", topology.features().vertex_count()},
           {"edges", topology.features().edge_count()},
           {"triangles", topology.features().triangle_count()}};
@@ -181,8 +181,8 @@ struct FirstFrame {
   bool named = true;
 };
 
-/// Reads all steps and adds, for each, a row to the text table and an entry to `motions`.
-StepsDone read_steps(const InfoOptions& options, SequenceReader& reader, TextTable& table, nlohmann::json& motions) {
+/// Reads all steps and adds, for each, a row to the text table and an entry to `rows`.
+StepsDone read_steps(const InfoOptions& options, SequenceReader& reader, TextTable& table, nlohmann::json& rows) {
   SequenceStepper stepper(reader, options.sequence.config);
   const StepRange range = parse_steps(options.sequence.steps, stepper.step_count(), options.sequence.file);
   return run_steps("reading", range, [&](int k) {
@@ -192,13 +192,13 @@ StepsDone read_steps(const InfoOptions& options, SequenceReader& reader, TextTab
     table.add({std::to_string(k), fmt::format("{:g}", reader.time(k)), grouped(elements),
                fmt::format("{:.4g}", facts.mean_edge), fmt::format("{:.3f}", facts.median),
                fmt::format("{:.3f}", facts.p99), fmt::format("{:.3f}", facts.largest)});
-    motions.push_back({{"motion", k},
-                       {"time", reader.time(k)},
-                       {"elements", elements},
-                       {"mean_edge", facts.mean_edge},
-                       {"moved_median", facts.median},
-                       {"moved_p99", facts.p99},
-                       {"moved_largest", facts.largest}});
+    rows.push_back({{"step", k},
+                    {"time", reader.time(k)},
+                    {"elements", elements},
+                    {"mean_edge", facts.mean_edge},
+                    {"moved_median", facts.median},
+                    {"moved_p99", facts.p99},
+                    {"moved_largest", facts.largest}});
   });
 }
 
@@ -211,7 +211,7 @@ int info(const InfoOptions& options) {
   {
     const FirstFrame first(reader, options.sequence.config);
     print_mesh(report, reader, *first.topology, first.named);
-    document["step_0"] = mesh_json(reader, *first.topology, first.named);
+    document["frame_0"] = mesh_json(reader, *first.topology, first.named);
   }
   StepsDone steps;
   if (reader.frame_count() >= 2) {
@@ -220,7 +220,7 @@ int info(const InfoOptions& options) {
     };
     TextTable table({"step", with_unit("time", reader.metadata().time_unit), "elements", "mean edge",
                      "moved: median [edges]", "99 % [edges]", "largest [edges]"});
-    steps = read_steps(options, reader, table, document["motions"]);
+    steps = read_steps(options, reader, table, document["steps"]);
     report.print("\nsteps: distances that vertices move, in mean edges\n{}", table.text(report.width()));
   }
   document["complete"] = steps.complete();
@@ -235,7 +235,7 @@ void add_info_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("info", "contents of a sequence: counts, objects, frames, movement per step");
   const auto options = std::make_shared<InfoOptions>();
   options->sequence.add_to(*command);
-  options->sequence.add_parts_to(*command);
+  options->sequence.add_objects_to(*command);
   options->report.add_to(*command);
   command->footer(
       "If a scene would have to be simulated first, the error message has the command that simulates it.\n"

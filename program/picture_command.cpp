@@ -45,7 +45,8 @@ std::vector<Number> parse_list(const std::string& option, const std::string& tex
 
 /// The panels in their order: for each frame, one panel for each file.
 std::vector<PicturePanel> panels_of(const PictureOptions& options) {
-  const std::vector<int> frames = parse_list<int>("--step", options.frames, ',', "a frame, or frames such as 0,10,20");
+  const std::vector<int> frames =
+      parse_list<int>("--frames", options.frames, ',', "a frame, or frames such as 0,10,20");
   const std::size_t count = options.files.size() * frames.size();
   const auto per_panel = [&](const char* option, const std::vector<std::string>& values) {
     if (!values.empty() && values.size() != count)
@@ -145,7 +146,7 @@ void add_picture_view(CLI::App& command, PictureOptions& options) {
 
 void add_picture_content(CLI::App& command, PictureOptions& options) {
   PictureConfig& config = options.config;
-  command.add_option("--parts", config.parts, "draw only these objects: ids or names, separated by , or ;")
+  command.add_option("--objects", config.objects, "draw only these objects: ids or names, separated by , or ;")
       ->type_name("LIST");
   command.add_option("--without", config.without, "leave these objects out")->type_name("LIST");
   command.add_option("--colour", config.colours, "colour of an object: bullet=#C87533; may be repeated")
@@ -194,7 +195,7 @@ void add_picture_command(CLI::App& scene, Action& action) {
   command->add_option("FILE", options->files, "sequences (VTKHDF); several are drawn side by side, with one camera")
       ->required()
       ->type_name("");
-  command->add_option("--step", options->frames, "frames K or K,L,M, with one panel for each")
+  command->add_option("--frames", options->frames, "frames K or K,L,M, with one panel for each")
       ->type_name("K")
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "picture to write (PNG); `-`: to the standard output")
@@ -206,12 +207,12 @@ void add_picture_command(CLI::App& scene, Action& action) {
       "Marks: a disc is a contact between objects, a diamond is one within an object; pale marks are behind a "
       "surface.\n"
       "Examples:\n"
-      "  volccd scene picture run.vtkhdf --step 8 -o run-8.png\n"
-      "  volccd scene picture run.vtkhdf --step 8 --cut y=50% --edges -o inside.png\n"
-      "  volccd scene picture crash.vtkhdf --step 60 --view 120,15 --without 'wall; hood, outer' --no-contacts -o "
+      "  volccd scene picture run.vtkhdf --frames 8 -o run-8.png\n"
+      "  volccd scene picture run.vtkhdf --frames 8 --cut y=50% --edges -o inside.png\n"
+      "  volccd scene picture crash.vtkhdf --frames 60 --view 120,15 --without 'wall; hood, outer' --no-contacts -o "
       "crash.png\n"
-      "  volccd scene picture run.vtkhdf --step 0,20,40,60 --columns 2 -o strip.png\n"
-      "  volccd scene picture all.vtkhdf boundary.vtkhdf --step 50 --caption 'all features' --caption 'boundary' -o "
+      "  volccd scene picture run.vtkhdf --frames 0,20,40,60 --columns 2 -o strip.png\n"
+      "  volccd scene picture all.vtkhdf boundary.vtkhdf --frames 50 --caption 'all features' --caption 'boundary' -o "
       "two.png");
   command->callback([options, &action] {
     action = [options] {

@@ -57,10 +57,10 @@ StepRange parse_steps(const std::string& text, int count, const std::string& fil
     good = parse_bound(std::string_view(text).substr(0, colon), 0, range.begin) &&
            parse_bound(std::string_view(text).substr(colon + 1), count, range.end);
   }
-  if (!good) throw ConfigError(fmt::format("--steps: '{}' is not A:B, A:, :B or K", text));
+  if (!good) throw ConfigError(fmt::format("--{}s: '{}' is not A:B, A:, :B or K", unit, text));
   if (count == 0) throw InputError(file, "VTKHDF/Steps", "has only one frame, and therefore no step");
   if (range.begin < 0 || range.begin >= range.end || range.end > count)
-    throw ConfigError(fmt::format("--steps: {} is not within the {}s 0:{} of {}", text, unit, count, file));
+    throw ConfigError(fmt::format("--{0}s: {1} is not within the {0}s 0:{2} of {3}", unit, text, count, file));
   return range;
 }
 
@@ -84,8 +84,8 @@ void SequenceOptions::add_to(CLI::App& command) {
              "frame; query: the last query of the simulation, if the file has it");
 }
 
-void SequenceOptions::add_parts_to(CLI::App& command) {
-  add_choice(command, "--parts", config.objects,
+void SequenceOptions::add_objects_to(CLI::App& command) {
+  add_choice(command, "--objects", config.objects,
              "objects are those that the file stores (PartId), or connected components (cells that share a vertex "
              "at any frame belong to one object)");
 }
@@ -124,7 +124,7 @@ void QueryOptions::check(const SequenceStepper& stepper) const {
   if (const std::optional<std::int32_t> object = only_object(stepper.topology().mesh()))
     fmt::print(stderr,
                "volccd: warning: all elements of step {} belong to object {}, so there are no pairs between objects; "
-               "--parts components makes each connected component an object\n",
+               "--objects components makes each connected component an object\n",
                stepper.current(), *object);
 }
 

@@ -22,19 +22,20 @@ struct StepRange {
 };
 
 /// "A:B", "A:", ":B", "K" (one step), "" (all), within the steps [0, count) of the file. `unit` is "frame" if frames
-/// are counted, and is used in messages. Throws InputError if the file has none, ConfigError for another text or range.
+/// are counted, with the option --frames; messages name it. Throws InputError if the file has none, ConfigError for
+/// another text or range.
 StepRange parse_steps(const std::string& text, int count, const std::string& file, std::string_view unit = "step");
 
 /// --threads, within the bound of make_executor(). `purpose` precedes the help text.
 void add_threads_option(CLI::App& command, unsigned& threads, const std::string& purpose = "");
 
-/// Options of what is read: --steps, --shells, --edges, --motion; --parts.
+/// Options of what is read: --steps, --shells, --edges, --motion; --objects.
 struct SequenceOptions {
   std::string file, steps;
   SequenceStepper::Config config;
 
   void add_to(CLI::App& command);
-  void add_parts_to(CLI::App& command);
+  void add_objects_to(CLI::App& command);
 };
 
 /// What commands print if contacts of shell neighbours are left out.

@@ -36,7 +36,7 @@ class Report {
   /// The columns that tables may take: those of the terminal that print() writes to, else kTextWidth.
   std::size_t width() const;
   bool for_people() const { return people_ != nullptr; }
-  bool wants_json() const { return options_.json; }
+  bool is_json() const { return options_.json; }
   /// The stream of print(); null if there is none.
   std::FILE* people() const { return people_; }
 

@@ -24,7 +24,7 @@ void add_simulated(const Report& report, nlohmann::json& list) {
   for (const SimulatedScene& scene : simulated_scenes()) {
     report.print("{}", labelled("  " + scene.name, scene.description, kIndentation));
     report.print("{}", labelled("",
-                                fmt::format("--elements {} (about; --quick: {}) --steps {} --seed 1",
+                                fmt::format("--elements {} (about; --quick: {}) --frames {} --seed 1",
                                             scene.default_elements, scene.quick_elements, scene.frames),
                                 kIndentation + 2));
     nlohmann::json entry = scene_json(scene.name, "simulated", scene.description);
@@ -74,7 +74,7 @@ int list_scenes(const ReportOptions& options) {
 
 void add_scene_command(CLI::App& app, Action& action) {
   CLI::App* command =
-      app.add_subcommand("scene", "scenes: list them, generate one; pictures and export of single steps of any");
+      app.add_subcommand("scene", "scenes: list them, generate one; pictures and export of single frames of any");
   command->require_subcommand(1);
   CLI::App* list_command = command->add_subcommand("list", "the scenes and their options");
   const auto options = std::make_shared<ReportOptions>();

@@ -278,7 +278,7 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
   const auto options = std::make_shared<VerifyOptions>();
   options->sequence.add_to(*command);
   options->query.add_to(*command);
-  options->sequence.add_parts_to(*command);
+  options->sequence.add_objects_to(*command);
   options->report.add_to(*command);
   command
       ->add_option("--brute-force-limit", options->config.brute_force_limit,

@@ -354,7 +354,7 @@ class Exporter {
     for (const TrackedObject& object : track_.objects()) {
       const Colour c =
           object_colour(static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), object.id) - ids.begin()));
-      const auto& names = reader_.metadata().part_names;
+      const auto& names = reader_.metadata().object_names;
       const auto name = names.find(object.id);
       list.push_back({{"id", object.id},
                       {"name", name == names.end() ? fmt::format("object {}", object.id) : name->second},
@@ -402,7 +402,7 @@ class Exporter {
         {"marks", mark_count},
         {"pairs", pair_count},
         {"pair_bits", kPairBits},
-        {"parts", objects()},
+        {"objects", objects()},
         {"frames", std::move(frames)},
         {"motions", std::move(motions)},
         {"detection", detection_},

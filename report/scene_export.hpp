@@ -28,16 +28,16 @@ struct SceneExportConfig {
 /// The script is volccd_scene("NAME", "DATA"). DATA is base64 of a zlib stream of these parts, whose numbers are stored
 /// in byte planes: the lowest bytes of a column first, then the next ones.
 /// - length of the header, 4 bytes
-/// - header, JSON: box, bits, parts, frames, motions with statistics, notes, provenance
-/// - triangles: three columns of 4 bytes: first vertex less that of the triangle before, second and third less the first
-///   (zigzag); object, 2 bytes; edges of elements, 1 byte
+/// - header, JSON: box, bits, objects, frames, motions with statistics, notes, provenance
+/// - triangles: three columns of 4 bytes: first vertex less that of the triangle before, second and third less
+///   the first (zigzag); object, 2 bytes; edges of elements, 1 byte
 /// - changes: for each frame, triangles that appear and that disappear, ascending, as differences, 4 bytes
 /// - positions: for each frame, all x, all y, all z, 2 bytes, as differences from a prediction by the frames before
 ///   (encoding.hpp)
 /// - contacts: x, y, z and time, 2 bytes each, over all steps; flags, 1 byte: 1 edge-edge, 2 between objects, 4 at the
 ///   start
-/// - pairs: x, y, z of the first centroid and differences to the second one (zigzag), of 12 bits (`pair_bits`) in 2 bytes
-///   each, over all steps, in each by stage, dropped before kept; kind, 1 byte: 0 elements, 1 VF, 2 EE
+/// - pairs: x, y, z of the first centroid and differences to the second one (zigzag), of 12 bits (`pair_bits`) in
+///   2 bytes each, over all steps, in each by stage, dropped before kept; kind, 1 byte: 0 elements, 1 VF, 2 EE
 struct ExportedScene {
   std::string script;
   nlohmann::json summary;  ///< entry in the list of scenes: title, frames, triangles, contacts, what was left out

@@ -20,7 +20,7 @@ class Imbalance {
   /// the mean. So cuts that gain nothing cost at most as much as what they were made for; and as some imbalance remains
   /// with all cuts, the price is doubled with each. The first cuts, made without times, are replaced for a 16th.
   /// The same on all ranks.
-  bool wants_cuts() const { return lost_ > price_; }
+  bool needs_cuts() const { return lost_ > price_; }
 
   /// Seconds of an element in the piece of each rank, by rank. Collective.
   std::vector<double> density(Exchange& exchange) const;

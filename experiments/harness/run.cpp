@@ -112,8 +112,8 @@ class Runner {
     std::map<std::string, double> fastest;
     for (const json& row : rows) {
       const double seconds = row.at("seconds");
-      double& least = fastest.try_emplace(key(row), seconds).first->second;
-      least = std::min(least, seconds);
+      double& min = fastest.try_emplace(key(row), seconds).first->second;
+      min = std::min(min, seconds);
     }
     const auto stalled = [&](const json& row) {
       return row.at("seconds").get<double>() > 3 * fastest.at(key(row)) + 1e-3;

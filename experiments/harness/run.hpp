@@ -23,7 +23,7 @@ namespace volccd {
 /// begins with step 0, that step itself is run unmeasured first. Every entrant keeps its workspace through the windows
 /// of a run. The time of its very first step is a column of its own (`first_seconds`).
 ///
-/// If a step took more than three times its median over the rounds, and a millisecond more, the window is measured
+/// If a step took more than three times the fastest of its rounds, and a millisecond more, the window is measured
 /// again, up to twice, and the faster row takes the place of the stalled one, which keeps the replaced time
 /// (`stalled_seconds`). The rounds of one process are judged together.
 ///

@@ -13,7 +13,7 @@ namespace {
 const Options<BuiltinConfig>& builtin_options() {
   static const auto options = Options<BuiltinConfig>()
                                   .add("elements", &BuiltinConfig::elements, 100, 10'000'000, "hexahedra, about")
-                                  .add("steps", &BuiltinConfig::frames, 2, 100'000, "frames of the sequence");
+                                  .add("frames", &BuiltinConfig::frames, 2, 100'000, "frames of the sequence");
   return options;
 }
 
@@ -75,7 +75,7 @@ class Penetration final : public Scene {
     metadata_.source = "volccd scene builtin";
     metadata_.units = "cm";
     metadata_.time_unit = "5 microseconds";
-    metadata_.part_names = {{1, "Projectile"}, {2, "Plate"}};
+    metadata_.object_names = {{1, "Projectile"}, {2, "Plate"}};
     find_erosion();
   }
 
@@ -154,7 +154,7 @@ class Penetration final : public Scene {
 std::unique_ptr<Scene> make_builtin(const BuiltinConfig& config) {
   if (config.elements < 100 || config.elements > 10'000'000)
     throw ConfigError("builtin: elements is not in 100 .. 10000000");
-  if (config.frames < 2 || config.frames > 100'000) throw ConfigError("builtin: steps is not in 2 .. 100000");
+  if (config.frames < 2 || config.frames > 100'000) throw ConfigError("builtin: frames is not in 2 .. 100000");
   return std::make_unique<Penetration>(config);
 }
 

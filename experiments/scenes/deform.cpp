@@ -85,7 +85,7 @@ double default_amount(DeformKind kind, const Measure& m, int motions) {
 void check(const DeformConfig& config) {
   if (config.motions.empty()) throw ConfigError("deform: no motion is given");
   if (config.copies < 1 || config.copies > 10'000) throw ConfigError("deform: copies is not in 1 .. 10000");
-  if (config.frames < 2 || config.frames > 100'000) throw ConfigError("deform: steps is not in 2 .. 100000");
+  if (config.frames < 2 || config.frames > 100'000) throw ConfigError("deform: frames is not in 2 .. 100000");
   std::map<DeformKind, int> times;
   for (const DeformMotion& motion : config.motions) {
     const KindInfo& kind = info(motion.kind);
@@ -280,7 +280,7 @@ const Options<DeformConfig>& deform_options() {
   static const auto options =
       Options<DeformConfig>()
           .add("copies", &DeformConfig::copies, 1, 10'000, "copies of the mesh, separate objects")
-          .add("steps", &DeformConfig::frames, 2, 100'000, "frames of the sequence: 2 make one step")
+          .add("frames", &DeformConfig::frames, 2, 100'000, "frames of the sequence: 2 make one step")
           .add("seed", &DeformConfig::seed, 0, 1'000'000'000, "for sideways shifts and jitter");
   return options;
 }

@@ -19,7 +19,7 @@ double quantile(std::vector<double>& values, double q) {
   return *at;
 }
 
-void measure_motion(const Features& features, const Motion& motion, MotionStatistics& out) {
+void measure_motion(const Features& features, const Motion& motion, StepStatistics& out) {
   double sum = 0;
   for (Index e = 0; e < features.edge_slots(); ++e)
     if (!features.edge_elements(e).empty())
@@ -60,8 +60,8 @@ void count_contact(const Mesh& mesh, const Features& features, const Contact& co
 
 }  // namespace
 
-std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Executor& executor,
-                                                  const std::function<bool(int)>& go_on) {
+std::vector<StepStatistics> sequence_statistics(SequenceReader& reader, Executor& executor,
+                                                const std::function<bool(int)>& go_on) {
   SequenceStepper::Config config;
   if (reader.has_thickness()) config.shells = ShellModel::solid;
   SequenceStepper stepper(reader, config);
@@ -70,34 +70,34 @@ std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Execut
                     {.executor = &executor, .leave_out_shell_neighbours = config.shells == ShellModel::solid});
   SequenceCells before, cells;
   reader.read_cells(0, before);
-  std::vector<MotionStatistics> motions;
+  std::vector<StepStatistics> steps;
   for (int k = 0; k < stepper.step_count(); ++k) {
-    MotionStatistics& motion = motions.emplace_back();
-    motion.time = reader.time(k);
+    StepStatistics& step = steps.emplace_back();
+    step.time = reader.time(k);
     reader.read_cells(k + 1, cells);
-    for (const ElementType type : cells.types) ++motion.elements[type];
+    for (const ElementType type : cells.types) ++step.elements[type];
     if (!reader.same_cells(k, k + 1)) {
       const TopologyEdit edit = edit_to(mesh_of(reader.point_ids(), before), cells);
-      motion.removed = edit.removed.size();
-      motion.added = edit.added.size();
+      step.removed = edit.removed.size();
+      step.added = edit.added.size();
     }
     std::swap(before, cells);
     stepper.go_to(k, executor);
     const Topology& topology = stepper.topology();
-    measure_motion(topology.features(), stepper.motion(), motion);
+    measure_motion(topology.features(), stepper.motion(), step);
     const StepResult& result = runner.run(topology, stepper.motion());
-    motion.contacts_at_start = result.statistics.contacts_at_start;
+    step.contacts_at_start = result.statistics.contacts_at_start;
     for (const Contact& contact : result.contacts)
-      count_contact(topology.mesh(), topology.features(), contact, motion.contacts);
+      count_contact(topology.mesh(), topology.features(), contact, step.contacts);
     if (go_on && !go_on(k + 1)) break;
   }
-  return motions;
+  return steps;
 }
 
-nlohmann::json to_json(const std::vector<MotionStatistics>& motions) {
+nlohmann::json to_json(const std::vector<StepStatistics>& steps) {
   nlohmann::json list = nlohmann::json::array();
-  for (std::size_t k = 0; k < motions.size(); ++k) {
-    const MotionStatistics& m = motions[k];
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const StepStatistics& m = steps[k];
     nlohmann::json elements = nlohmann::json::object();
     for (const auto& [type, count] : m.elements) elements[to_string(type)] = count;
     list.push_back(

@@ -14,29 +14,29 @@
 
 namespace volccd {
 
-/// Numbers of contacts of a motion. adjacent: every element of the one feature is adjacent to every element of the
+/// Numbers of contacts of a step. adjacent: every element of the one feature is adjacent to every element of the
 /// other (Section 5.1). inter and intra: other contacts, between objects and within an object.
 struct ContactCounts {
   std::uint64_t inter = 0, intra = 0, adjacent = 0;
 };
 
-/// Statistics of motion k, from step k to k+1, on the elements of step k+1.
-struct MotionStatistics {
-  double time = 0;                                ///< of step k
-  std::map<ElementType, std::uint64_t> elements;  ///< at step k+1
-  std::uint64_t removed = 0, added = 0;           ///< elements, from step k to k+1; a changed one is both
-  double mean_edge = 0;                           ///< at step k
+/// Statistics of step k, from frame k to k+1, on the elements of frame k+1.
+struct StepStatistics {
+  double time = 0;                                               ///< of frame k
+  std::map<ElementType, std::uint64_t> elements;                 ///< of frame k+1
+  std::uint64_t removed = 0, added = 0;                          ///< elements, in step k; a changed one is both
+  double mean_edge = 0;                                          ///< at frame k
   double median_motion = 0, p99_motion = 0, largest_motion = 0;  ///< of vertices in use, in mean edges
   ContactCounts contacts;                                        ///< without those of shell neighbours
   std::uint64_t contacts_at_start = 0;                           ///< of them, at t = 0
 };
 
-/// Statistics of all motions of a file, with contacts of the pipeline VolCCD+; shells are solid if the file has their
-/// thickness. `go_on(done)` is called after each motion; if it returns false, the work ends early. Throws the
+/// Statistics of all steps of a file, with contacts of the pipeline VolCCD+; shells are solid if the file has their
+/// thickness. `go_on(done)` is called after each step; if it returns false, the work ends early. Throws the
 /// exceptions of the reader and of the pipeline.
-std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Executor& executor,
-                                                  const std::function<bool(int done)>& go_on = {});
+std::vector<StepStatistics> sequence_statistics(SequenceReader& reader, Executor& executor,
+                                                const std::function<bool(int done)>& go_on = {});
 
-nlohmann::json to_json(const std::vector<MotionStatistics>& motions);
+nlohmann::json to_json(const std::vector<StepStatistics>& steps);
 
 }  // namespace volccd

@@ -23,7 +23,7 @@ std::string write_to_cache(const Scene& scene, const std::string& name) {
 }
 
 struct DeformedScene {
-  const char *name, *mesh, *motion, *steps;
+  const char *name, *mesh, *motion, *frames;
 };
 constexpr DeformedScene kDeformed[] = {{"octopus2-105k-deformed", "octopus2-105k", "twist:40,squeeze:0.2", "5"}};
 
@@ -55,7 +55,7 @@ std::optional<std::string> deformed_scene_file(const std::string& name) {
   const std::string mesh = scene ? shared_data_path(std::string(scene->mesh) + ".vtkhdf") : "";
   if (!scene || !std::filesystem::exists(mesh)) return std::nullopt;
   const Shape shape = shape_from_file(mesh);
-  return write_to_cache(*make_scene("deform", {{"motion", scene->motion}, {"steps", scene->steps}}, &shape), name);
+  return write_to_cache(*make_scene("deform", {{"motion", scene->motion}, {"frames", scene->frames}}, &shape), name);
 }
 
 std::optional<SceneToBake> scene_to_bake(const std::string& name) {

@@ -150,7 +150,7 @@ int step_count(const std::string& file) { return SequenceReader(file).frame_coun
 
 std::vector<StepWindow> sampled_windows(const std::string& file, int count, int length) {
   const SequenceReader reader(file);
-  std::vector<int> edits;  // motion k has the cells of frame k + 1
+  std::vector<int> edits;  // step k has the cells of frame k + 1
   for (int k = 1; k + 1 < reader.frame_count(); ++k)
     if (!reader.same_cells(k, k + 1)) edits.push_back(k);
   const int steps = reader.frame_count() - 1;

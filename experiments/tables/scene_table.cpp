@@ -144,7 +144,7 @@ std::optional<json> scene_record(const std::string& name, const std::string& seq
   SequenceReader reader(sequence);
   const std::size_t steps = static_cast<std::size_t>(reader.frame_count() - 1);
   bool stopped = false;
-  const std::vector<MotionStatistics> statistics = sequence_statistics(reader, executor, [&](int done) {
+  const std::vector<StepStatistics> statistics = sequence_statistics(reader, executor, [&](int done) {
     stopped = !go_on(static_cast<std::size_t>(done), steps);
     return !stopped;
   });

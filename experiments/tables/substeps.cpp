@@ -132,14 +132,14 @@ class SubstepComparison {
     return result;
   }
 
-  void expect_same_contacts(const Run& fresh, const Run& with_lists, int motion, int first) const {
+  void expect_same_contacts(const Run& fresh, const Run& with_lists, int step, int first) const {
     for (std::size_t i = 0; i < fresh.found.size(); ++i) {
       const Found &a = fresh.found[i], &b = with_lists.found[i];
       if (a.hash == b.hash) continue;
       throw Error(fmt::format(
-          "substeps, {}, motion {}, substep {} of {}, separation {}: VolCCD+ finds {} contacts without candidate lists "
+          "substeps, {}, step {}, substep {} of {}, separation {}: VolCCD+ finds {} contacts without candidate lists "
           "and {} with them, and they are not the same: a list or a stage loses or invents contacts",
-          scene_.name, motion, first + static_cast<int>(i), substeps_, separation_, a.contacts, b.contacts));
+          scene_.name, step, first + static_cast<int>(i), substeps_, separation_, a.contacts, b.contacts));
     }
   }
 

@@ -94,7 +94,7 @@ class Verifier {
   std::vector<std::string> skipped_pipelines_;
 };
 
-/// Compares the contacts of motion 0 with the file's ground truth, which lists all pairs that touch.
+/// Compares the contacts of step 0 with the file's ground truth, which lists all pairs that touch.
 TruthVerdict check_against_truth(const Mesh& mesh, std::span<const Contact> contacts,
                                  std::span<const KnownAnswer> truth, double time_tolerance);
 

@@ -18,7 +18,7 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-std::string format_part_names(const std::map<std::int32_t, std::string>& names) {
+std::string format_object_names(const std::map<std::int32_t, std::string>& names) {
   std::string text;
   for (const auto& [id, given] : names) {
     std::string name = given;
@@ -28,7 +28,7 @@ std::string format_part_names(const std::map<std::int32_t, std::string>& names) 
   return text;
 }
 
-std::map<std::int32_t, std::string> parse_part_names(const std::string& source, const std::string& text) {
+std::map<std::int32_t, std::string> parse_object_names(const std::string& source, const std::string& text) {
   std::map<std::int32_t, std::string> names;
   std::string_view rest = text;
   for (std::int64_t entry = 0; !trimmed(rest).empty(); ++entry) {
@@ -39,9 +39,9 @@ std::map<std::int32_t, std::string> parse_part_names(const std::string& source, 
     const auto [after, error] = std::from_chars(item.data(), item.data() + item.size(), id);
     const std::string_view name(after, static_cast<std::size_t>(item.data() + item.size() - after));
     if (error != std::errc{} || (!name.empty() && name.front() != ' '))
-      throw InputError(source, "@Parts", entry, "is not a part id and a name");
+      throw InputError(source, "@Parts", entry, "is not the number and the name of an object");
     if (!names.emplace(id, trimmed(name)).second)
-      throw InputError(source, "@Parts", entry, "names part " + std::to_string(id) + " again");
+      throw InputError(source, "@Parts", entry, "names object " + std::to_string(id) + " again");
   }
   return names;
 }

@@ -12,8 +12,8 @@ struct SequenceMetadata {
   std::string title, source, license;
   std::string units;      ///< unit of length, as text: "mm (mass in g)"
   std::string time_unit;  ///< unit of time, as text: "microsecond"
-  /// Names of the part ids, attribute `Parts`: "1 Projectile; 2 Plate".
-  std::map<std::int32_t, std::string> part_names;
+  /// Names of the objects, attribute `Parts`: "1 Projectile; 2 Plate".
+  std::map<std::int32_t, std::string> object_names;
   /// Attribute `Incomplete`: which of the intended frames the file contains, and why the others are missing. For
   /// output, it is set by SequenceWriter::finish() only.
   std::string incomplete = {};
@@ -22,10 +22,10 @@ struct SequenceMetadata {
 };
 
 /// The text of the attribute `Parts`. A ';' in a name is replaced by ','.
-std::string format_part_names(const std::map<std::int32_t, std::string>& names);
+std::string format_object_names(const std::map<std::int32_t, std::string>& names);
 
-/// The inverse of format_part_names(). Throws InputError (`source`, "@Parts", number of the entry) for an entry that is
-/// not of the form "<id> <name>", and for a repeated id.
-std::map<std::int32_t, std::string> parse_part_names(const std::string& source, const std::string& text);
+/// The inverse of format_object_names(). Throws InputError (`source`, "@Parts", number of the entry) for an entry that
+/// is not of the form "<id> <name>", and for a repeated id.
+std::map<std::int32_t, std::string> parse_object_names(const std::string& source, const std::string& text);
 
 }  // namespace volccd

@@ -21,7 +21,7 @@ SequenceMetadata read_metadata(const detail::Hdf5File& file) {
     return file.has_attribute("/", name) ? file.string_attribute("/", name) : std::string();
   };
   return {text("Title"),     text("Source"),   text("License"),
-          text("Units"),     text("TimeUnit"), parse_part_names(file.name(), text("Parts")),
+          text("Units"),     text("TimeUnit"), parse_object_names(file.name(), text("Parts")),
           text("Incomplete")};
 }
 

@@ -169,7 +169,7 @@ struct SequenceWriter::Impl {
     text("License", metadata.license);
     text("Units", metadata.units);
     text("TimeUnit", metadata.time_unit);
-    text("Parts", format_part_names(metadata.part_names));
+    text("Parts", format_object_names(metadata.object_names));
     for (const char* path : {"VTKHDF", "VTKHDF/PointData", "VTKHDF/CellData"}) output.group(path);
     if (form == SequenceForm::temporal)
       for (const char* path : {"VTKHDF/Steps", "VTKHDF/Steps/PointDataOffsets", "VTKHDF/Steps/CellDataOffsets"})

@@ -17,7 +17,7 @@ static_assert(sizeof(ccd_real_t) == 8);
 
 namespace {
 
-bool take_pair(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* pairs) {
+bool collect_pair(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* pairs) {
   const Index i = static_cast<const ElementBox*>(a->getUserData())->element;
   const Index j = static_cast<const ElementBox*>(b->getUserData())->element;
   static_cast<std::vector<ElementPair>*>(pairs)->push_back({std::min(i, j), std::max(i, j)});
@@ -44,7 +44,7 @@ std::vector<ElementPair> box_overlaps(std::span<const ElementBox> boxes) {
   fcl::DynamicAABBTreeCollisionManagerd tree;
   tree.registerObjects(pointers);
   tree.setup();
-  tree.collide(&pairs, take_pair);
+  tree.collide(&pairs, collect_pair);
   return pairs;
 }
 

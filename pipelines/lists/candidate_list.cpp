@@ -66,7 +66,7 @@ bool CandidateList::covers(const Pipeline& pipeline, const Step& step, Executor&
 
 bool CandidateList::is_near(const Step& step, Executor& executor) {
   const auto at = prediction_.nearest(step.motion);
-  reached_ = at.end;
+  prediction_time_ = at.end;
   distance_ = prediction_.distance(step.motion, step.features(), at, executor);
   return distance_ <= budget_;
 }

@@ -61,7 +61,7 @@ class CandidateList {
   /// By how much the last step that was compared with the list is away from its prediction.
   double distance() const { return distance_; }
   /// The time of the prediction, from 0 to 1, at which that step ended.
-  double reached() const { return reached_; }
+  double prediction_time() const { return prediction_time_; }
 
   std::size_t bytes() const {
     std::size_t sum = heap_bytes(prediction_, delta_, gone_, local_, renewed_);
@@ -87,7 +87,7 @@ class CandidateList {
   std::vector<Index> renewed_;  ///< vertices whose tests are to be found anew
   bool made_ = false;
   int refreshed_ = 0;
-  double separation_ = 0, budget_ = 0, distance_ = 0, reached_ = 0;
+  double separation_ = 0, budget_ = 0, distance_ = 0, prediction_time_ = 0;
 };
 
 }  // namespace volccd

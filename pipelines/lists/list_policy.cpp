@@ -8,12 +8,12 @@ namespace volccd {
 
 std::optional<ListPolicy::Plan> ListPolicy::plan(const Motion& motion) {
   if (!has_credit() || fresh_ == 0 || !std::isfinite(motion.distance)) return std::nullopt;
-  const double reach = reach_ * motion.edge, way = std::max(motion.length, 1e-12 * motion.edge);
-  double steps = std::min(reach / way, kMaxSteps * motion.steps), budget = 0;
+  const double max_travel = max_travel_ * motion.edge, length = std::max(motion.length, 1e-12 * motion.edge);
+  double steps = std::min(max_travel / length, kMaxSteps * motion.steps), budget = 0;
   // Further than it was observed, the distance grows as with a constant acceleration.
   const double observed = motion.steps * (motion.steps + 1);
   for (; steps >= kMinSteps; steps *= 0.8) {
-    budget = ratio_ * steps * way + motion.distance * std::max(1.0, steps * (steps + 1) / observed);
+    budget = ratio_ * steps * length + motion.distance * std::max(1.0, steps * (steps + 1) / observed);
     if (budget <= max_budget() * motion.edge) break;
   }
   if (!(steps >= kMinSteps)) return std::nullopt;
@@ -26,7 +26,7 @@ void ListPolicy::record_fresh(double seconds) {
   if (++fresh_steps_ == 1) return;
   fresh_ = fresh_ == 0 ? seconds : 0.5 * (fresh_ + seconds);
   cost_ *= std::pow(kFirstCost / cost_, kForgotten);
-  reach_ *= std::pow(kFirstReach / reach_, kForgotten);
+  max_travel_ *= std::pow(kFirstTravel / max_travel_, kForgotten);
   credit_ = std::min(credit_ + kShare, kMaxCredit);
 }
 
@@ -54,11 +54,11 @@ void ListPolicy::record_end(double covered, double missed, double seconds) {
   const bool early = missed > 0 && uses_ < planned_steps_ / 2;
   if (early && missed < 4 * planned_budget_) ratio_ = std::min(2 * ratio_, 0.5);
   if (missed == 0 && covered < planned_budget_ / 4) ratio_ = std::max(ratio_ / 2, 1.0 / 256);
-  // Each reach is compared with the one before it. It is too great where tests in vain take longer than the list.
+  // Each max_travel_ is compared with the one before it. It is too great where tests in vain take longer than the list.
   const double price = (build_ + wasted_) / uses_;
   if (price > std::exchange(price_, price)) change_ = 1 / change_;
   if (!is_worthwhile() || wasted_ > build_) change_ = std::min(change_, 1 / change_);
-  reach_ = std::clamp(reach_ * change_, 1.0 / 64, 4.0);
+  max_travel_ = std::clamp(max_travel_ * change_, 1.0 / 64, 4.0);
 }
 
 }  // namespace volccd

@@ -31,16 +31,16 @@ class ListPolicy {
   };
   /// The motion of the present step.
   struct Motion {
-    double length;    ///< the longest way of a vertex
+    double length;    ///< the greatest distance that a vertex moves
     double distance;  ///< of vertices from where they were expected `steps` steps ago; infinite if nothing was expected
     double steps;     ///< >= 1
     double edge;      ///< a typical length of an edge
   };
 
-  /// The way of the fastest vertex that a list is made for, in edges.
-  double reach() const { return reach_; }
+  /// How far the fastest vertex may move while a list serves, in edges.
+  double max_travel() const { return max_travel_; }
   /// The greatest budget of a list, in edges. With greater ones, all features of neighbouring elements are near.
-  double max_budget() const { return std::min(reach_ / 4, 1.0 / 16); }
+  double max_budget() const { return std::min(max_travel_ / 4, 1.0 / 16); }
 
   /// Whether a list can be paid for. If not, plan() need not be asked.
   bool has_credit() const { return fresh_steps_ > 0 && cost_ - 1 <= credit_; }
@@ -65,18 +65,18 @@ class ListPolicy {
   static constexpr double kShare = 0.03;     ///< of the time of fresh steps, that lists may cost
   static constexpr double kMaxCredit = 20;   ///< in times of a fresh step
   static constexpr double kFirstCost = 1.5;  ///< of a list, before one was made, in times of a fresh step
-  static constexpr double kFirstReach = 0.25;
+  static constexpr double kFirstTravel = 0.25;
   static constexpr double kForgotten = 0.02;  ///< part of what is known about lists, by each fresh step
   static constexpr double kMaxSteps = 64;     ///< of a list, in steps since the prediction that tells about the motion
 
   int fresh_steps_ = 0;
-  double fresh_ = 0;                ///< seconds of a fresh step; the first one, which builds tables, does not count
-  double credit_ = kFirstCost - 1;  ///< in times of a fresh step; the first list needs no waiting
-  double cost_ = kFirstCost;        ///< of a list, in times of a fresh step
-  double reach_ = kFirstReach;      ///< reach()
-  double change_ = 1.5;             ///< by which factor the reach changes after a list
+  double fresh_ = 0;                  ///< seconds of a fresh step; the first one, which builds tables, does not count
+  double credit_ = kFirstCost - 1;    ///< in times of a fresh step; the first list needs no waiting
+  double cost_ = kFirstCost;          ///< of a list, in times of a fresh step
+  double max_travel_ = kFirstTravel;  ///< max_travel()
+  double change_ = 1.5;               ///< by which factor max_travel() changes after a list
   double price_ = std::numeric_limits<double>::infinity();  ///< of a step with the last list
-  double ratio_ = 1.0 / 64;                                 ///< part of the budget that is proportional to this way
+  double ratio_ = 1.0 / 64;  ///< part of the budget that is proportional to this distance
   // of the present list
   double build_ = 0, wasted_ = 0, used_ = 0;  ///< seconds
   double planned_steps_ = 0, planned_budget_ = 0;

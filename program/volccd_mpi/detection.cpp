@@ -211,7 +211,7 @@ class RankDetection {
     if (first() && lowest == greatest)
       fmt::print(stderr,
                  "volccd-mpi: warning: all elements of step {} belong to object {}, so there are no pairs between "
-                 "objects; --parts components makes each connected component an object\n",
+                 "objects; --objects components makes each connected component an object\n",
                  k, from_ordered(lowest));
   }
 

@@ -17,7 +17,7 @@ class WholeSource final : public StepSource {
 
   bool go_to(int step, Executor& executor) override {
     stepper_.go_to(step, executor);
-    distributed::take_part(stepper_.motion(), part_of(mesh().vertex_count(), rank_, ranks_), motion_);
+    distributed::copy_motion(stepper_.motion(), part_of(mesh().vertex_count(), rank_, ranks_), motion_);
     return std::exchange(version_, stepper_.topology().version()) != version_;
   }
   distributed::Elements elements() const override {

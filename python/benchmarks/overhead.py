@@ -7,7 +7,7 @@ usage: PYTHONPATH=build/release/python python3 python/benchmarks/overhead.py PRO
 
 PROGRAM         build/release/volccd
 SEQUENCE        e.g. volccd scene generate deform --mesh octopus2-14k.vtkhdf --motion twist:40,collide:2 --copies 2 \\
-                --steps 25 -o SEQUENCE
+                --frames 25 -o SEQUENCE
 CUSTOM_CULLING  the program of examples/custom_culling; then its stage `spheres` is compared with `python-spheres` of
                 docs/python.md, on the same pairs in the same batches
 
@@ -96,7 +96,7 @@ def main():
         sys.exit(__doc__)
     command, path = sys.argv[1:3]
     sequence = volccd.Sequence(path)
-    points = [sequence.points(step) for step in range(sequence.step_count)]
+    points = [sequence.points(frame) for frame in range(sequence.frame_count)]
     steps, arrays, stage = [], [], []
     for _ in range(ROUNDS):
         steps.append((from_file(path), sum(step["seconds"] for step in program(command, path))))

@@ -45,7 +45,7 @@ class SignalDetector {
       detector_->step(x0, xm, x1, asked.request(), t_max);
     else
       detector_->step(x0, x1, asked.request(), t_max);
-    return take_result(*detector_);
+    return make_result(*detector_);
   }
 
   void edit(const IntegerArray<std::int64_t>& removed, Index new_vertices, const py::dict& added,

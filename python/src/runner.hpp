@@ -27,8 +27,8 @@ struct StepRequest {
 
 /// The last result of a Detector or StepRunner, moved out.
 template <class Runner>
-std::shared_ptr<Result> take_result(Runner& runner) {
-  return std::make_shared<Result>(runner.take_result());
+std::shared_ptr<Result> make_result(Runner& runner) {
+  return std::make_shared<Result>(runner.release_result());
 }
 
 /// Properties of a Detector or StepRunner for Python: pipeline, guarantee, threads, stages.

@@ -28,14 +28,14 @@ SequenceStepper::Config stepper_config(const py::dict& options) {
   choose("shells", config.shells);
   choose("edges", config.edge_set);
   choose("motion", config.motion);
-  choose("parts", config.objects);
+  choose("objects", config.objects);
   return config;
 }
 
 py::dict metadata_of(const SequenceMetadata& m) {
   return py::dict(py::arg("title") = m.title, py::arg("source") = m.source, py::arg("license") = m.license,
                   py::arg("units") = m.units, py::arg("time_unit") = m.time_unit,
-                  py::arg("part_names") = py::cast(m.part_names), py::arg("incomplete") = m.incomplete);
+                  py::arg("object_names") = py::cast(m.object_names), py::arg("incomplete") = m.incomplete);
 }
 
 py::array points_array(const std::vector<Vec3>& points) {
@@ -49,9 +49,9 @@ Sequence::Sequence(const std::string& file, const py::dict& options)
       config_(stepper_config(options)),
       stepper_(reader_.frame_count() > 1 ? std::make_unique<SequenceStepper>(reader_, config_) : nullptr) {}
 
-void Sequence::go_to(int motion, Executor& executor) {
+void Sequence::go_to(int step, Executor& executor) {
   if (!stepper_) throw InputError(reader_.file(), "VTKHDF/Steps", "has one frame only, and therefore no step");
-  stepper_->go_to(motion, executor);
+  stepper_->go_to(step, executor);
 }
 
 SequenceRunner::SequenceRunner(const py::dict& options, bool leave_out_shell_neighbours)
@@ -66,71 +66,71 @@ SequenceRunner::SequenceRunner(const DetectorConfig& config, bool leave_out_shel
                .leave_out_shell_neighbours = leave_out_shell_neighbours,
                .lists = config.lists}) {}
 
-std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, const StepRequest& request) {
+std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int step, const StepRequest& request) {
   const BusyGuard guard(busy_, "run of a sequence");
   const BusyGuard sequence_guard(sequence.busy, "Sequence");
   const py::gil_scoped_release without_gil;
-  sequence.go_to(motion, runner_.executor());
+  sequence.go_to(step, runner_.executor());
   runner_.run(sequence.stepper().topology(), sequence.stepper().motion(), request.request(), request.t_max);
-  return take_result(runner_);
+  return make_result(runner_);
 }
 
 namespace {
 
 /// While such an object exists, only this thread may use the reader.
-class StepReading {
+class FrameReading {
  public:
-  StepReading(Sequence& sequence, int step) : guard_(sequence.busy, "Sequence") {
-    const int steps = sequence.reader().frame_count();
-    if (step < 0 || step >= steps)
+  FrameReading(Sequence& sequence, int frame) : guard_(sequence.busy, "Sequence") {
+    const int frames = sequence.reader().frame_count();
+    if (frame < 0 || frame >= frames)
       throw InputError(sequence.reader().file(), "VTKHDF/Steps",
-                       fmt::format("frame {} is not within 0:{}", step, steps));
+                       fmt::format("frame {} is not within 0:{}", frame, frames));
   }
 
  private:
   BusyGuard guard_;
 };
 
-py::array read_points(Sequence& sequence, int step) {
-  const StepReading reading(sequence, step);
+py::array read_points(Sequence& sequence, int frame) {
+  const FrameReading reading(sequence, frame);
   std::vector<Vec3> points;
-  sequence.reader().read_points(step, points);
+  sequence.reader().read_points(frame, points);
   return points_array(points);
 }
 
-py::object read_velocity(Sequence& sequence, int step) {
-  const StepReading reading(sequence, step);
+py::object read_velocity(Sequence& sequence, int frame) {
+  const FrameReading reading(sequence, frame);
   if (!sequence.reader().has_velocity()) return py::none();
   std::vector<Vec3> velocity;
-  sequence.reader().read_velocity(step, velocity);
+  sequence.reader().read_velocity(frame, velocity);
   return points_array(velocity);
 }
 
-py::object read_thickness(Sequence& sequence, int step) {
-  const StepReading reading(sequence, step);
+py::object read_thickness(Sequence& sequence, int frame) {
+  const FrameReading reading(sequence, frame);
   if (!sequence.reader().has_thickness()) return py::none();
   std::vector<double> thickness;
-  sequence.reader().read_thickness(step, thickness);
+  sequence.reader().read_thickness(frame, thickness);
   return new_array({thickness.size()}, thickness.data());
 }
 
-py::dict read_cells(Sequence& sequence, int step) {
-  const StepReading reading(sequence, step);
+py::dict read_cells(Sequence& sequence, int frame) {
+  const FrameReading reading(sequence, frame);
   SequenceCells cells;
-  sequence.reader().read_cells(step, cells);
+  sequence.reader().read_cells(frame, cells);
   return cells_to(cells);
 }
 
 py::array times(const Sequence& sequence) {
   std::vector<double> values;
-  for (int step = 0; step < sequence.reader().frame_count(); ++step) values.push_back(sequence.reader().time(step));
+  for (int frame = 0; frame < sequence.reader().frame_count(); ++frame) values.push_back(sequence.reader().time(frame));
   return new_array({values.size()}, values.data());
 }
 
 /// Element ids by slot of the current topology of the sequence; -1 if a slot is empty.
 py::array element_ids(Sequence& sequence) {
   const BusyGuard guard(sequence.busy, "Sequence");
-  if (sequence.motion() < 0)
+  if (sequence.step() < 0)
     throw InputError(sequence.reader().file(), "", "detect() has not run on a step yet: there are no elements");
   const Mesh& mesh = sequence.stepper().topology().mesh();
   std::vector<std::int64_t> ids(mesh.element_slots());
@@ -146,7 +146,7 @@ void bind_sequence(py::module_& module) {
       .def(py::init<const std::string&, const py::dict&>())
       .def_property_readonly("file", [](const Sequence& s) { return s.reader().file(); })
       .def_property_readonly("metadata", [](const Sequence& s) { return metadata_of(s.reader().metadata()); })
-      .def_property_readonly("step_count", [](const Sequence& s) { return s.reader().frame_count(); })
+      .def_property_readonly("frame_count", [](const Sequence& s) { return s.reader().frame_count(); })
       .def_property_readonly("point_count", [](const Sequence& s) { return s.reader().point_count(); })
       .def_property_readonly("point_ids",
                              [](const Sequence& s) {
@@ -163,10 +163,10 @@ void bind_sequence(py::module_& module) {
       .def(py::init<const py::dict&, bool>(), "options"_a, "leave_out_shell_neighbours"_a)
       .def(
           "run",
-          [](SequenceRunner& runner, Sequence& sequence, int motion, bool first, bool overlaps, double t_max) {
-            return runner.run(sequence, motion, {first, overlaps, t_max});
+          [](SequenceRunner& runner, Sequence& sequence, int step, bool first, bool overlaps, double t_max) {
+            return runner.run(sequence, step, {first, overlaps, t_max});
           },
-          "sequence"_a, "motion"_a, "first"_a, "initial_overlaps"_a, "t_max"_a)
+          "sequence"_a, "step"_a, "first"_a, "initial_overlaps"_a, "t_max"_a)
       .def_property_readonly(
           "facts", [](const SequenceRunner& r) { return facts_of(r.runner().pipeline(), r.runner().executor()); });
 }

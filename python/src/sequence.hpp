@@ -13,7 +13,7 @@ namespace volccd::python {
 
 class Sequence {
  public:
-  /// Throws InputError, and ConfigError for unknown values of the options (shells, edges, motion, parts).
+  /// Throws InputError, and ConfigError for unknown values of the options (shells, edges, motion, objects).
   Sequence(const std::string& file, const py::dict& options);
 
   SequenceReader& reader() { return reader_; }
@@ -22,9 +22,9 @@ class Sequence {
   SequenceStepper& stepper() { return *stepper_; }
   const SequenceStepper::Config& config() const { return config_; }
   /// The step of the last go_to(), or -1.
-  int motion() const { return stepper_ ? stepper_->current() : -1; }
+  int step() const { return stepper_ ? stepper_->current() : -1; }
   /// Throws InputError if there is no such step. The executor builds the topology in the first call.
-  void go_to(int motion, Executor& executor);
+  void go_to(int step, Executor& executor);
 
   bool busy = false;  ///< BusyGuard
 
@@ -43,7 +43,7 @@ class SequenceRunner {
 
   /// Must be called with the GIL, which it releases. Throws the exceptions of Pipeline::run, and those of a signal
   /// handler or of a stage in Python.
-  std::shared_ptr<Result> run(Sequence& sequence, int motion, const StepRequest& request);
+  std::shared_ptr<Result> run(Sequence& sequence, int step, const StepRequest& request);
   const StepRunner& runner() const { return runner_; }
 
  private:

@@ -52,12 +52,12 @@ class Verification {
         separation_(separation),
         leave_out_shell_neighbours_(shells) {}
 
-  py::dict check(Sequence& sequence, int motion) {
+  py::dict check(Sequence& sequence, int step) {
     const BusyGuard guard(busy_, "verification"), sequence_guard(sequence.busy, "Sequence");
     StepVerdict verdict;
     {
       const py::gil_scoped_release without_gil;
-      sequence.go_to(motion, *executor_);
+      sequence.go_to(step, *executor_);
       const SequenceStepper& stepper = sequence.stepper();
       verdict = verifier_.check({.topology = stepper.topology(),
                                  .motion = stepper.motion(),

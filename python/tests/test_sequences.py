@@ -21,7 +21,7 @@ def builtin():
 
 
 def test_contents(builtin):
-    assert builtin.step_count == len(builtin) + 1 == len(builtin.times)
+    assert builtin.frame_count == len(builtin) + 1 == len(builtin.times)
     assert np.all(np.diff(builtin.times) > 0)
     assert builtin.points(0).shape == (builtin.point_count, 3) and builtin.points(-1).shape == (builtin.point_count, 3)
     assert builtin.point_ids.tolist() == list(range(builtin.point_count))
@@ -30,9 +30,9 @@ def test_contents(builtin):
     assert builtin.metadata["title"] and builtin.velocity(0) is None
     with pytest.raises(volccd.InputError, match="not run on a step"):
         volccd.Sequence(builtin.path).element_ids
-    for step in (builtin.step_count, -builtin.step_count - 1):
+    for frame in (builtin.frame_count, -builtin.frame_count - 1):
         with pytest.raises(volccd.InputError, match="frame"):
-            builtin.points(step)
+            builtin.points(frame)
 
 
 def contacts_of_the_program(sequence, folder, steps):
@@ -46,14 +46,14 @@ def contacts_of_the_program(sequence, folder, steps):
 def test_contacts_are_those_of_the_program(builtin, tmp_path):
     expected = contacts_of_the_program(builtin, tmp_path, "0:3")
     found = []
-    for motion, result in builtin.detect(range(3)):
+    for step, result in builtin.detect(range(3)):
         for contact in result.contacts:
             ids = builtin.point_ids[contact["vertices"]].tolist()
-            found.append((motion, int(contact["kind"]), ids, float(contact["toi"])))
+            found.append((step, int(contact["kind"]), ids, float(contact["toi"])))
     assert len(found) == len(expected) > 500
     names = list(expected[0])
-    for row, (motion, kind, ids, toi) in zip(expected, found):
-        assert int(row["step"]) == motion and row[names[1]].lower() == ("vf", "ee")[kind]
+    for row, (step, kind, ids, toi) in zip(expected, found):
+        assert int(row["step"]) == step and row[names[1]].lower() == ("vf", "ee")[kind]
         assert [int(row[name]) for name in names[2:6]] == ids and float(row["toi"]) == toi
 
 
@@ -66,8 +66,8 @@ def test_cells_and_points_go_into_detect(builtin):
 
 
 def test_steps_in_any_order(builtin):
-    forwards = dict((motion, len(result)) for motion, result in builtin.detect())
-    backwards = dict((motion, len(result)) for motion, result in builtin.detect(reversed(range(len(builtin)))))
+    forwards = dict((step, len(result)) for step, result in builtin.detect())
+    backwards = dict((step, len(result)) for step, result in builtin.detect(reversed(range(len(builtin)))))
     assert forwards == backwards and len(forwards) == len(builtin)
     with pytest.raises(volccd.InputError):
         list(builtin.detect([len(builtin)]))
@@ -126,14 +126,14 @@ def test_real_sequences(name):
     assert len(found) > 0 and found.statistics["contacts"] == len(found)
 
 
-def test_motions_and_parts(builtin):
+def test_motions_and_objects(builtin):
     path = builtin.path
     (_, straight), = builtin.detect([2])
     (_, curved), = volccd.Sequence(path, motion="quadratic").detect([2])
     assert len(curved) > 0 and not np.array_equal(curved.contacts["toi"], straight.contacts["toi"])
     with pytest.raises(volccd.InputError, match="velocit"):
         volccd.Sequence(path, motion="tentative")
-    (_, between), = volccd.Sequence(path, parts="components").detect([2], pairs="inter")
+    (_, between), = volccd.Sequence(path, objects="components").detect([2], pairs="inter")
     assert 0 < len(between) <= len(straight)
 
 

@@ -24,23 +24,23 @@ class Sequence:
         To the next frame on straight lines, or with constant acceleration; or from each frame with its velocities; or
         the last query that the simulation of the file asked, without its separation.
     edges : "triangulated", "polytope"
-    parts : "stored", "components"
+    objects : "stored", "components"
         Objects are those that the file stores (PartId), or connected components.
 
     Points are by ascending id, as `point_ids` has them; contacts name points by their row there.
     """
 
     @suggesting
-    def __init__(self, path, *, shells="surface", motion="linear", edges="triangulated", parts="stored"):
+    def __init__(self, path, *, shells="surface", motion="linear", edges="triangulated", objects="stored"):
         self._core = _core.Sequence(os.fspath(path),
-                                    {"shells": shells, "motion": motion, "edges": edges, "parts": parts})
+                                    {"shells": shells, "motion": motion, "edges": edges, "objects": objects})
         self.shells = shells
 
     def __len__(self):
-        return self._core.step_count - 1
+        return self._core.frame_count - 1
 
     def __repr__(self):
-        return f"<volccd.Sequence {self.path}: {self.step_count} frames, {self.point_count} points>"
+        return f"<volccd.Sequence {self.path}: {self.frame_count} frames, {self.point_count} points>"
 
     @property
     def path(self):
@@ -48,9 +48,9 @@ class Sequence:
         return self._core.file
 
     @property
-    def step_count(self):
+    def frame_count(self):
         """Number of frames in the file; there is one step less."""
-        return self._core.step_count
+        return self._core.frame_count
 
     @property
     def point_count(self):
@@ -64,12 +64,12 @@ class Sequence:
 
     @property
     def times(self):
-        """float64 (step_count,), in the file's unit of time."""
+        """float64 (frame_count,), in the file's unit of time."""
         return self._core.times
 
     @property
     def metadata(self):
-        """dict: title, source, license, units, time_unit, part_names, incomplete."""
+        """dict: title, source, license, units, time_unit, object_names, incomplete."""
         return self._core.metadata
 
     @property
@@ -77,26 +77,26 @@ class Sequence:
         """Element ids by slot in the last step that `detect` ran; -1 if a slot is empty."""
         return self._core.element_ids
 
-    def points(self, step):
+    def points(self, frame):
         """float64 (point_count, 3), in the file's unit of length."""
-        return self._core.points(self._step(step))
+        return self._core.points(self._frame(frame))
 
-    def velocity(self, step):
+    def velocity(self, frame):
         """float64 (point_count, 3), or None if the file has none."""
-        return self._core.velocity(self._step(step))
+        return self._core.velocity(self._frame(frame))
 
-    def thickness(self, step):
+    def thickness(self, frame):
         """float64, one value for each cell of the frame, or None if the file has none."""
-        return self._core.thickness(self._step(step))
+        return self._core.thickness(self._frame(frame))
 
-    def cells(self, step):
+    def cells(self, frame):
         """The cells of a frame: dict of connectivity, offsets, types, objects, ids, face_offsets, faces, which `detect`
         and `Detector` accept as `cells`, with its objects and ids."""
-        return self._core.cells(self._step(step))
+        return self._core.cells(self._frame(frame))
 
-    def _step(self, step):
-        step = operator.index(step)
-        return step + self.step_count if step < 0 else step
+    def _frame(self, frame):
+        frame = operator.index(frame)
+        return frame + self.frame_count if frame < 0 else frame
 
     @suggesting
     def detect(self, steps=None, *, pipeline="VolCCD+", separation=0.0, threads=0, first=False, initial_overlaps=False,
@@ -137,7 +137,7 @@ def scene(name, *, simulate=False, threads=0, **options):
 
 
 class Verification:
-    """The result of `volccd.verify`. True if clean. `steps` has a dict for each step: motion (its number), clean,
+    """The result of `volccd.verify`. True if clean. `steps` has a dict for each step: step (its number), clean,
     reference, contacts, earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline,
     same, held, refused and the structured arrays missing, extra and changed (contacts, with the fields of
     Result.contacts)."""
@@ -189,5 +189,5 @@ def verify(sequence, steps=None, *, settings=(), threads=0, separation=0.0, fcl=
                                  sequence.shells == "solid")
     verdicts = []
     for step in range(len(sequence)) if steps is None else steps:
-        verdicts.append({"motion": step, **checker.check(sequence._core, step)})
+        verdicts.append({"step": step, **checker.check(sequence._core, step)})
     return Verification(verdicts, checker.skipped)

@@ -3,7 +3,7 @@ import type {SceneEntry, SceneHeader} from "./types";
 
 export class SceneData {
   readonly corners: Uint32Array[] = [];  ///< three columns: vertices of each triangle
-  part!: Uint32Array;
+  object!: Uint32Array;
   edges!: Uint32Array;
   /// By frame: the triangles that it shows, and positions: all x, all y, all z.
   readonly shown: Uint32Array[] = [];
@@ -57,7 +57,7 @@ export class SceneData {
       b[i] = a[i] + unzigzag(b[i]);
       c[i] = a[i] + unzigzag(c[i]);
     }
-    this.part = planes(n, 2);
+    this.object = planes(n, 2);
     this.edges = planes(n, 1);
   }
 

@@ -109,7 +109,7 @@ export class SceneView {
     this.slider.max = String(Math.max(this.data!.motions, 0) * kFine);
     this.slider.value = "0";
     this.viewer!.canvas.setAttribute("aria-label", `3-D view of ${header.title || header.name}`);
-    this.side.replaceChildren(this.funnelBox, this.display(), this.sections(), this.parts());
+    this.side.replaceChildren(this.funnelBox, this.display(), this.sections(), this.objects());
     this.strip.replaceChildren(this.timeline());
     const made = header.made;
     this.notes.replaceChildren(
@@ -215,8 +215,8 @@ export class SceneView {
     }));
   }
 
-  private parts(): HTMLElement {
-    const {parts} = this.data!.header;
+  private objects(): HTMLElement {
+    const {objects} = this.data!.header;
     const boxes: HTMLInputElement[] = [];
     const all = (on: boolean) => {
       boxes.forEach((box, i) => {
@@ -226,27 +226,27 @@ export class SceneView {
         else
           this.hidden.add(i);
       });
-      this.viewer!.setHiddenParts(this.hidden);
+      this.viewer!.setHiddenObjects(this.hidden);
     };
     return h(
-        "fieldset", {class: "parts"}, h("legend", {}, `Objects (${parts.length})`),
-        h("div", {class: "views"}, h("button", {name: "all-parts", onclick: () => all(true)}, "all"),
-          h("button", {name: "no-parts", onclick: () => all(false)}, "none")),
-        h("div", {class: "part-list"}, ...parts.map((part, i) => {
+        "fieldset", {class: "objects"}, h("legend", {}, `Objects (${objects.length})`),
+        h("div", {class: "views"}, h("button", {name: "all-objects", onclick: () => all(true)}, "all"),
+          h("button", {name: "no-objects", onclick: () => all(false)}, "none")),
+        h("div", {class: "object-list"}, ...objects.map((object, i) => {
           const box = h("input", {
             type: "checkbox",
-            name: `part-${i}`,
+            name: `object-${i}`,
             checked: true,
             onchange: () => {
               if (box.checked)
                 this.hidden.delete(i);
               else
                 this.hidden.add(i);
-              this.viewer!.setHiddenParts(this.hidden);
+              this.viewer!.setHiddenObjects(this.hidden);
             }
           });
           boxes.push(box);
-          return h("label", {}, box, h("i", {class: "swatch", style: `background:${part.colour}`}), part.name);
+          return h("label", {}, box, h("i", {class: "swatch", style: `background:${object.colour}`}), object.name);
         })));
   }
 

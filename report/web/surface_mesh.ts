@@ -22,7 +22,7 @@ class PairNumbers {
 /// A drawn vertex belongs to one object, because it has the colour of its object.
 export class SurfaceMesh {
   readonly vertexOf: Uint32Array;  ///< by drawn vertex
-  readonly partOf: Uint32Array;
+  readonly objectOf: Uint32Array;
   private corners: Uint32Array[];  ///< drawn vertices of each triangle, three columns
   private edges: Int32Array[];     ///< edges of each triangle, three columns; -1: a diagonal of an element's face
   private ends: Uint32Array[];     ///< drawn vertices of each edge, two columns
@@ -31,9 +31,9 @@ export class SurfaceMesh {
 
   constructor(data: SceneData) {
     const n = data.header.triangles, drawn = new PairNumbers(), edges = new PairNumbers();
-    this.corners = data.corners.map((column) => Uint32Array.from(column, (v, i) => drawn.of(v, data.part[i])));
+    this.corners = data.corners.map((column) => Uint32Array.from(column, (v, i) => drawn.of(v, data.object[i])));
     this.vertexOf = Uint32Array.from(drawn.first);
-    this.partOf = Uint32Array.from(drawn.second);
+    this.objectOf = Uint32Array.from(drawn.second);
     this.edges = [0, 1, 2].map(() => new Int32Array(n).fill(-1));
     for (let i = 0; i < n; ++i)
       for (let k = 0; k < 3; ++k) {

@@ -125,7 +125,7 @@ export interface SceneHeader {
   marks: number;
   pairs: number;
   pair_bits: number;
-  parts: {id: number; name: string; colour: string; solid: boolean}[];
+  objects: {id: number; name: string; colour: string; solid: boolean}[];
   frames: {step: number; time: number; cells: number; order: number; added: number; removed: number}[];
   motions: Motion[];
   detection: {pipeline: {name: string; guarantee: string}; shells: string; edges: string; threads: number}|null;

@@ -11,7 +11,7 @@ import {SurfaceMesh} from "./surface_mesh";
 const kSurfaceVertex = `
 attribute vec3 even;
 attribute vec3 odd;
-attribute vec4 part;
+attribute vec4 tint;
 uniform float share;
 uniform float factor;
 varying vec3 place;
@@ -19,7 +19,7 @@ varying vec3 eye;
 varying vec4 colour;
 void main() {
   place = mix(even, odd, share) * factor;
-  colour = part;
+  colour = tint;
   // Approximately linear light, in which shading is computed; the fragment shader applies the square root.
   colour.rgb *= colour.rgb;
   vec4 view = modelViewMatrix * vec4(place, 1.0);
@@ -181,7 +181,7 @@ export class Viewer {
     this.pairs = new PairLines(data, this.clip);
     this.stage = null;
     this.scene.add(...this.pairs.meshes);
-    this.setHiddenParts(new Set());
+    this.setHiddenObjects(new Set());
     this.fit();
   }
 
@@ -201,7 +201,7 @@ export class Viewer {
       // three.js draws nothing if there is no attribute "position".
       made.setAttribute("even", this.positions[0]).setAttribute("position", this.positions[0]);
       made.setAttribute("odd", this.positions[1]);
-      made.setAttribute("part", this.colours).setIndex(index);
+      made.setAttribute("tint", this.colours).setIndex(index);
       return made;
     });
     const uniforms = {
@@ -275,12 +275,12 @@ export class Viewer {
     this.scene = new THREE.Scene();
   }
 
-  setHiddenParts(hidden: Set<number>): void {
-    const byPart = this.data!.header.parts.map((part, i) => {
-      const rgb = parseInt(part.colour.slice(1), 16);
-      return [rgb >> 16, (rgb >> 8) & 255, rgb & 255, hidden.has(i) ? 0 : part.solid ? 255 : 128];
+  setHiddenObjects(hidden: Set<number>): void {
+    const byObject = this.data!.header.objects.map((object, i) => {
+      const rgb = parseInt(object.colour.slice(1), 16);
+      return [rgb >> 16, (rgb >> 8) & 255, rgb & 255, hidden.has(i) ? 0 : object.solid ? 255 : 128];
     });
-    this.mesh!.partOf.forEach((part, i) => (this.colours.array as Uint8Array).set(byPart[part], 4 * i));
+    this.mesh!.objectOf.forEach((object, i) => (this.colours.array as Uint8Array).set(byObject[object], 4 * i));
     this.colours.needsUpdate = true;
     this.draw();
   }
@@ -418,7 +418,7 @@ export class Viewer {
         const shown = data.shown[f], stride = Math.max(1, Math.floor(shown.length / 4000));
         for (let i = 0; i < shown.length; i += stride) used.push(data.frames[f][axis * n + data.corners[0][shown[i]]]);
         used.sort((a, b) => a - b);
-        const cut = data.header.parts.some((p) => p.solid) ? 0.01 : 0;
+        const cut = data.header.objects.some((p) => p.solid) ? 0.01 : 0;
         low[axis] = Math.min(low[axis], used[Math.floor(used.length * cut)] * scale);
         high[axis] = Math.max(high[axis], used[Math.ceil(used.length * (1 - cut)) - 1] * scale);
       }

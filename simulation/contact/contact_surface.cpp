@@ -32,7 +32,7 @@ void ContactSurface::note_first(const Topology& collision) {
   const Mesh& mesh = collision.mesh();
   const Features& features = collision.features();
   std::vector<std::array<Index, 3>> triangles;
-  const auto take_face = [&](std::span<const Index> face) {
+  const auto add_face = [&](std::span<const Index> face) {
     triangles.clear();
     bool outside = false;
     for (std::size_t i = 0; i < face.size(); ++i)
@@ -51,7 +51,7 @@ void ContactSurface::note_first(const Topology& collision) {
     visit_faces(face_stream(mesh.type(o)), [&](std::span<const std::uint8_t> numbers) {  // no polytopes in a simulation
       face.clear();
       for (const std::uint8_t i : numbers) face.push_back(mesh.vertices(o)[i]);
-      take_face(face);
+      add_face(face);
     });
   }
   std::sort(first_.begin(), first_.end());

@@ -243,7 +243,7 @@ elseif(PART STREQUAL "debian")
     endforeach()
   endforeach()
   run("program" "${root}/usr/bin/volccd" stages)
-  run("scene" "${root}/usr/bin/volccd" scene generate builtin --elements 200 --steps 2 -o "${WORK_DIR}/run.vtkhdf")
+  run("scene" "${root}/usr/bin/volccd" scene generate builtin --elements 200 --frames 2 -o "${WORK_DIR}/run.vtkhdf")
   run("contacts" "${root}/usr/bin/volccd" detect "${WORK_DIR}/run.vtkhdf")
   if(EXISTS "${BUILD_DIR}/page")
     # The page must be found in this root, not in the build folder.

@@ -206,7 +206,7 @@ TEST(Imbalance, WantsCutsWhenTheirPriceIsLost) {
     const auto steps = [&](double slow, double fast, bool after_cuts = false) {
       const double seconds = exchange.rank() == 1 ? slow : fast;
       imbalance.add_step(exchange, seconds, 2 * seconds, 100, after_cuts);
-      return imbalance.wants_cuts();
+      return imbalance.needs_cuts();
     };
     EXPECT_FALSE(steps(2, 0.5, true)) << "its price is a 16th of 4";
     EXPECT_FALSE(steps(1.5, 0.5)) << "a quarter lost beyond 1.25 times the mean";

@@ -42,10 +42,10 @@ void apply(const Registry& registry, PipelineSpec& spec, const std::string& line
 }
 
 /// The attribute `Parts` is read as it was written.
-void part_names(const std::string& text) {
+void object_names(const std::string& text) {
   try {
-    const auto names = parse_part_names("text", text);
-    if (parse_part_names("text", format_part_names(names)) != names) promise_broken("part names change: " + text);
+    const auto names = parse_object_names("text", text);
+    if (parse_object_names("text", format_object_names(names)) != names) promise_broken("part names change: " + text);
   } catch (const InputError&) {
   }
 }
@@ -55,7 +55,7 @@ void part_names(const std::string& text) {
 void option_parser(Bytes bytes) {
   static const Registry registry = Registry::standard();
   std::string text(bytes.begin(), bytes.end());
-  part_names(text);
+  object_names(text);
   PipelineSpec spec = registry.pipelines()[bytes.empty() ? 0 : bytes[0] % registry.pipelines().size()];
   int lines = 0;
   for (std::size_t begin = 0; begin < text.size() && lines < 16; ++lines) {

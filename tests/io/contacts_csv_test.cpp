@@ -51,7 +51,7 @@ TEST(ContactsCsv, ExactText) {
   EXPECT_FALSE(std::filesystem::exists(folder / "c.csv"));
   writer.finish();
   EXPECT_EQ(text_of(folder / "c.csv"),
-            "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,part_1,part_2,element_1,element_2\n"
+            "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,object_1,object_2,element_1,element_2\n"
             "3,VF,50,10,20,30,0.10000000000000001,-1,0,0,1e-300,1e+20,-0,0,-1,-1,-1,-1\n"
             "3,EE,10,20,30,40,0,0,0,0,0.25,0,0,1,-1,-1,-1,-1\n"
             "3,EE,10,30,20,40,0.5,0,0,1,1,2,3,0,-1,-1,-1,-1\n");
@@ -65,7 +65,7 @@ Contact contact_of(FeatureKind kind, std::array<Index, 4> vertices, std::array<I
   return contact;
 }
 
-TEST(ContactsCsv, PartsAndElementsOfBothFeatures) {
+TEST(ContactsCsv, ObjectsAndElementsOfBothFeatures) {
   const Mesh mesh = three_tetrahedra();
   const ScratchFolder folder;
   ContactsCsvWriter writer(folder / "c.csv");
@@ -75,25 +75,25 @@ TEST(ContactsCsv, PartsAndElementsOfBothFeatures) {
   EXPECT_EQ(read_contacts_csv(folder / "c.csv").at(0).sides, (std::array<ContactSide, 2>{{{3, 900}, {-2, 400}}}));
 }
 
-TEST(ContactsCsv, PairsOfParts) {
+TEST(ContactsCsv, PairsOfObjects) {
   const Mesh mesh = three_tetrahedra();
-  PartPairs pairs;
-  add_part_pairs(2, {}, mesh, pairs);
-  add_part_pairs(3,
-                 std::vector{contact_of(FeatureKind::vf, {5, 0, 1, 2}, {2, 0}, 0.75),
-                             contact_of(FeatureKind::ee, {0, 1, 5, 6}, {0, 2}, 0.5)},
-                 mesh, pairs);
-  add_part_pairs(4,
-                 std::vector{contact_of(FeatureKind::vf, {0, 6, 7, 8}, {0, 2}, 0.25),
-                             contact_of(FeatureKind::ee, {1, 2, 3, 4}, {1, 1}, 0.125)},
-                 mesh, pairs);
+  ObjectPairs pairs;
+  count_object_pairs(2, {}, mesh, pairs);
+  count_object_pairs(3,
+                     std::vector{contact_of(FeatureKind::vf, {5, 0, 1, 2}, {2, 0}, 0.75),
+                                 contact_of(FeatureKind::ee, {0, 1, 5, 6}, {0, 2}, 0.5)},
+                     mesh, pairs);
+  count_object_pairs(4,
+                     std::vector{contact_of(FeatureKind::vf, {0, 6, 7, 8}, {0, 2}, 0.25),
+                                 contact_of(FeatureKind::ee, {1, 2, 3, 4}, {1, 1}, 0.125)},
+                     mesh, pairs);
   ASSERT_EQ(pairs.size(), 2u);
-  const PartPairCount& between = pairs.at({3, 7});
+  const ObjectPairCount& between = pairs.at({3, 7});
   EXPECT_EQ(between.vf, 2u);
   EXPECT_EQ(between.ee, 1u);
   EXPECT_EQ(between.first_step, 3);
   EXPECT_EQ(between.first_toi, 0.5);
-  const PartPairCount& within = pairs.at({-2, -2});
+  const ObjectPairCount& within = pairs.at({-2, -2});
   EXPECT_EQ(within.vf + within.ee, 1u);
   EXPECT_EQ(within.first_step, 4);
   EXPECT_EQ(within.first_toi, 0.125);
@@ -231,9 +231,11 @@ TEST(ContactsCsv, BadLinesByNumber) {
   EXPECT_EQ(line_of(""), 1);
   const std::string flagged = full.substr(0, full.size() - 1) + ",at_start\n";
   EXPECT_EQ(line_of(flagged + "0,VF,1,2,3,4,0.5,0,0,1,1e3,-2,3,0\n0,VF,1,2,3,5,0,0,0,1,1e3,-2,3,1\n"), 0);
-  const std::string sided = flagged.substr(0, flagged.size() - 1) + ",part_1,part_2,element_1,element_2\n";
+  const std::string sided = flagged.substr(0, flagged.size() - 1) + ",object_1,object_2,element_1,element_2\n";
+  const std::string former = flagged.substr(0, flagged.size() - 1) + ",part_1,part_2,element_1,element_2\n";
   for (const char* some : {",0,1,-2,3,0", ",1,-1,-1,-1,-1"})
-    EXPECT_EQ(line_of(sided + "0,VF,1,2,3,4,0,0,0,1,1e3,-2,3" + some + "\n"), 0) << some;
+    for (const std::string& head : {sided, former})
+      EXPECT_EQ(line_of(head + "0,VF,1,2,3,4,0,0,0,1,1e3,-2,3" + some + "\n"), 0) << some;
   for (const char* bad : {",0", ",0,1,2,3", ",0,1,2,3,-2", ",0,1,2,3,", ",0,1,2,3,4,5", ",0,1,x,3,4"})
     EXPECT_EQ(line_of(sided + "0,VF,1,2,3,4,0,0,0,1,1e3,-2,3" + bad + "\n"), 2) << bad;
   for (const char* bad : {"", ",", ",2", ",01", ",true", ",1,0"})

@@ -55,7 +55,7 @@ class Program(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.sequence = cls.path("run.vtkhdf")
-        made = run(VOLCCD, "scene", "generate", "builtin", "--elements", "300", "--steps", "5", "-o", cls.sequence)
+        made = run(VOLCCD, "scene", "generate", "builtin", "--elements", "300", "--frames", "5", "-o", cls.sequence)
         assert made.returncode == 0, made.stderr
 
     @classmethod
@@ -90,7 +90,7 @@ class Program(unittest.TestCase):
     def test_files_are_those_of_volccd(self):
         self.assertGreater(self.same(self.sequence, *EXACT), 20)
         for options in (("--first", *EXACT), ("--separation", "0.05"), ("--pipeline", "NavCCD", *EXACT, "--pairs", "inter"),
-                        ("--motion", "quadratic", *EXACT), ("--parts", "components", "--pairs", "inter", *EXACT),
+                        ("--motion", "quadratic", *EXACT), ("--objects", "components", "--pairs", "inter", *EXACT),
                         ("--steps", "1:3", "--edges", "polytope", *EXACT, "--threads", "2"),
                         ("--steps", "2:4", "--substeps", "5", "--lists", "0.02:5", *EXACT)):
             self.assertGreater(self.same(self.sequence, *options, counts=(3,)), 0)
@@ -177,7 +177,7 @@ class Program(unittest.TestCase):
 
     def test_ctrl_c_ends_all_ranks_and_leaves_no_file(self):
         long = self.path("long.vtkhdf")
-        made = run(VOLCCD, "scene", "generate", "builtin", "--elements", "6000", "--steps", "60", "-o", long)
+        made = run(VOLCCD, "scene", "generate", "builtin", "--elements", "6000", "--frames", "60", "-o", long)
         self.assertEqual(made.returncode, 0, made.stderr)
         self.addCleanup(os.remove, long)
         contacts = self.path("contacts.csv")

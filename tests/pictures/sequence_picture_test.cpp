@@ -35,7 +35,7 @@ class TipOnTriangle {
     };
     const SequenceCells cells = cells_with({4, 5, 6}, 1), end = remade ? cells_with({7, 8, 9}, 2) : cells;
     SequenceMetadata metadata;
-    metadata.part_names = {{1, "Tip, steel"}};
+    metadata.object_names = {{1, "Tip, steel"}};
     SequenceWriter writer(path(), ids, metadata);
     writer.write_frame(0, points, cells);
     for (int v = 0; v < 4; ++v) points[v].z() -= 1;
@@ -159,15 +159,15 @@ TEST(SequencePicture, PartsHaveTheirColours) {
   EXPECT_GT(count(true), 500);
   EXPECT_EQ(count(false), 0);
   config.without.clear();
-  config.parts = "2";
+  config.objects = "2";
   EXPECT_EQ(count(true), 0);
   EXPECT_GT(count(false), 500);
   for (const char* both : {"1,2", "1; 2", " tip, STEEL ; 2"}) {
-    config.parts = both;
+    config.objects = both;
     EXPECT_GT(count(true), 500) << both;
     EXPECT_GT(count(false), 500) << both;
   }
-  config.parts = "Tip, steel";
+  config.objects = "Tip, steel";
   EXPECT_EQ(count(false), 0);
 }
 
@@ -244,7 +244,7 @@ TEST(SequencePicture, RefusesWhatIsNotThere) {
   refuses(-1, {});
   refuses(0, {.width = 5});
   refuses(0, {.width = 100, .height = 50000});
-  refuses(0, {.width = 100, .parts = "3"});
+  refuses(0, {.width = 100, .objects = "3"});
   refuses(0, {.width = 100, .without = "nobody"});
   refuses(0, {.width = 100, .without = "1,2"});
   refuses(0, {.width = 100, .colours = {"1=red"}});

@@ -338,7 +338,7 @@ TEST(Detector, MovesAndGivesItsResultAway) {
   Detector second = std::move(first);
   EXPECT_EQ(second.result().contacts, expected.contacts);
   expect_equal(expected, second.step(c.x0, c.x1), "moved");
-  const StepResult taken = second.take_result();
+  const StepResult taken = second.release_result();
   expect_equal(expected, taken, "taken");
   EXPECT_TRUE(second.result().contacts.empty());
   expect_equal(expected, second.step(c.x0, c.x1), "after the result was taken");

@@ -99,7 +99,7 @@ class ProgramTest(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.sequence = cls.path("run.vtkhdf")
-        made = run("scene", "generate", "builtin", "--elements", "300", "--steps", "5", "-o", cls.sequence)
+        made = run("scene", "generate", "builtin", "--elements", "300", "--frames", "5", "-o", cls.sequence)
         assert made.returncode == 0, made.stderr
 
     @classmethod

@@ -11,7 +11,7 @@ from program_support import SOURCE, run, ProgramTest
 class Detect(ProgramTest):
     def test_all_pipelines_write_the_same_contacts(self):
         expected = self.contacts("--pipeline", "BruteForce")
-        self.assertEqual(expected[0], ("step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,part_1,part_2,"
+        self.assertEqual(expected[0], ("step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,object_1,object_2,"
                                        "element_1,element_2").split(","))
         self.assertGreater(len(expected), 20)
         for pipeline in ("NavCCD", "HashCCD", "VolCCD", "VolCCD+"):
@@ -158,7 +158,7 @@ class Detect(ProgramTest):
     def test_pairs_between_parts_of_a_file_without_parts(self):
         """The two bodies of the built-in scene without their parts: one part with two components."""
         source, plain = self.path("parts.vtkhdf"), self.path("no-parts.vtkhdf")
-        self.good("scene", "generate", "deform", "--mesh", self.sequence, "--motion", "twist", "--steps", "3",
+        self.good("scene", "generate", "deform", "--mesh", self.sequence, "--motion", "twist", "--frames", "3",
                   "-o", source)
         with open(source, "rb") as file:
             data = file.read()
@@ -170,16 +170,16 @@ class Detect(ProgramTest):
             target = self.path("parts.csv")
             done = run("detect", file, "--contacts", target, *arguments)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertEqual("--parts components" in done.stderr, warns, done.stderr)
+            self.assertEqual("--objects components" in done.stderr, warns, done.stderr)
             with open(target, encoding="ascii") as rows:
                 return rows.read()
 
         expected = contacts(source, "--pairs", "inter", warns=False)
         self.assertEqual(contacts(plain, "--pairs", "inter", warns=True).count("\n"), 1)
-        self.assertEqual(contacts(plain, "--pairs", "inter", "--parts", "components", warns=False), expected)
-        self.assertIn("component 1", self.good("info", plain, "--parts", "components"))
+        self.assertEqual(contacts(plain, "--pairs", "inter", "--objects", "components", warns=False), expected)
+        self.assertIn("component 1", self.good("info", plain, "--objects", "components"))
         self.assertNotIn("component 1", self.good("info", plain))
-        self.assertIn("clean", self.good("verify", plain, "--pairs", "inter", "--parts", "components", "--steps", "0"))
+        self.assertIn("clean", self.good("verify", plain, "--pairs", "inter", "--objects", "components", "--steps", "0"))
 
 
 if __name__ == "__main__":

@@ -296,7 +296,7 @@ class DocsAgainstProgram(unittest.TestCase):
     def test_files_that_detect_writes(self):
         with tempfile.TemporaryDirectory() as folder:
             path = lambda name: os.path.join(folder, name)
-            made = run("scene", "generate", "builtin", "--elements", "200", "--steps", "3", "-o", path("run.vtkhdf"))
+            made = run("scene", "generate", "builtin", "--elements", "200", "--frames", "3", "-o", path("run.vtkhdf"))
             self.assertEqual(made.returncode, 0, made.stderr)
             done = run("detect", path("run.vtkhdf"), "--contacts", path("c.csv"), "--overlaps", path("o.csv"),
                        "--stats", path("s.json"))

@@ -68,7 +68,7 @@ class Experiments(ProgramTest):
 
     def test_own_scenes_steps_and_rounds(self):
         folder, other = self.path("mine"), self.path("other.vtkhdf")
-        self.good("scene", "generate", "builtin", "--elements", "200", "--steps", "5", "-o", other)
+        self.good("scene", "generate", "builtin", "--elements", "200", "--frames", "5", "-o", other)
         scenes = ["--scenes", f"{self.sequence},{other}", "-o", folder]
         self.good("experiment", "run", "projectile", *scenes, "--steps", "1:3", "--rounds", "2")
         with open(self.path("mine/projectile.json"), encoding="utf-8") as file:
@@ -121,7 +121,7 @@ class Experiments(ProgramTest):
 
     def test_an_interruption_reaches_the_other_process(self):
         folder, sequence = self.path("cut"), self.path("long.vtkhdf")
-        self.good("scene", "generate", "builtin", "--elements", "300", "--steps", "61", "-o", sequence)
+        self.good("scene", "generate", "builtin", "--elements", "300", "--frames", "61", "-o", sequence)
         command = ["experiment", "run", "baselines", "--full", "--scenes", sequence, "--rounds", "2", "-o", folder]
         cut = Interruption(*command, done=150)  # of 192 to 240
         self.assertEqual(cut.code, 130, cut.screen)
@@ -192,7 +192,7 @@ class Experiments(ProgramTest):
     def test_an_interrupted_experiment_leaves_the_whole_record(self):
         data = self.path("projectile")
         os.makedirs(os.path.join(data, "records"))
-        self.good("scene", "generate", "builtin", "--elements", "300", "--steps", "61", "-o",
+        self.good("scene", "generate", "builtin", "--elements", "300", "--frames", "61", "-o",
                   os.path.join(data, "ls-dyna-projectile.vtkhdf"))
         env, results = {"VOLCCD_DATA": data}, os.path.join(data, "records")
         for name in ("projectile.json", "projectile.txt"):

@@ -50,7 +50,7 @@ class HowTo(ProgramTest):
         folder = self.new_folder("how-to")
         for command in self.commands_of("how_to.md", r"\S", more_than=20):
             self.check(folder, command)
-        for name in ("run.vtkhdf", "contacts.csv", "between.csv", "overlaps.csv", "contacts.vtp", "steps_0004.vtkhdf",
+        for name in ("run.vtkhdf", "contacts.csv", "between.csv", "overlaps.csv", "contacts.vtp", "frames_0004.vtkhdf",
                      "run-3.png", "inside.png"):
             self.assertTrue(os.path.getsize(os.path.join(folder, name)), name)
         self.assertFalse(os.path.exists(self.path("empty-cache")))
@@ -65,10 +65,10 @@ class HowTo(ProgramTest):
         os.makedirs(os.path.join(folder, "build"))
         for results in ("results", "build/results", "build/tables"):
             copy_results(os.path.join(folder, results))
-        self.good("scene", "generate", "builtin", "--elements", "300", "--steps", "61", "-o",
+        self.good("scene", "generate", "builtin", "--elements", "300", "--frames", "61", "-o",
                   os.path.join(folder, "run.vtkhdf"))
         with_queries = self.new_folder("with-queries")  # and with velocities
-        self.good("scene", "generate", "weld", "--elements", "300", "--steps", "3", "-o",
+        self.good("scene", "generate", "weld", "--elements", "300", "--frames", "3", "-o",
                   os.path.join(with_queries, "run.vtkhdf"))
         ran = []
         for name in ("../README.md", "pictures.md", "report.md", "reproducing.md", "sequence_files.md", "simulation.md"):
@@ -107,7 +107,7 @@ class HowTo(ProgramTest):
         shutil.copy(self.sequence, os.path.join(folder, "run.vtkhdf"))
         with open(self.sequence, "rb") as file, open(os.path.join(folder, "queries.h5"), "wb") as other:
             other.write(file.read().replace(b"VTKHDF\0", b"VTKXXX\0"))
-        self.good("scene", "export", self.sequence, "--steps", "0", "-o", os.path.join(folder, "single.vtkhdf"))
+        self.good("scene", "export", self.sequence, "--frames", "0", "-o", os.path.join(folder, "single.vtkhdf"))
         entries = re.findall(r'^### "(.*)"\n\n    (volccd .*)\n', page("troubleshooting.md"), re.MULTILINE)
         self.assertEqual(len(entries), page("troubleshooting.md").count("\n### "))
         self.assertGreater(len(entries), 8)

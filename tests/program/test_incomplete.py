@@ -14,10 +14,10 @@ class Incomplete(ProgramTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.long = cls.path("long.vtkhdf")
-        made = run("scene", "generate", "builtin", "--elements", "3000", "--steps", "150", "-o", cls.long)
+        made = run("scene", "generate", "builtin", "--elements", "3000", "--frames", "150", "-o", cls.long)
         assert made.returncode == 0, made.stderr
         cls.large = cls.path("large.vtkhdf")
-        made = run("scene", "generate", "builtin", "--elements", "60000", "--steps", "4", "-o", cls.large)
+        made = run("scene", "generate", "builtin", "--elements", "60000", "--frames", "4", "-o", cls.large)
         assert made.returncode == 0, made.stderr
         begin = time.monotonic()
         run("info", cls.large, "--steps", "0")
@@ -142,7 +142,7 @@ class Incomplete(ProgramTest):
 
     def test_a_sequence_cut_short_says_so(self):
         target = self.path("cut.vtkhdf")
-        cut = Interruption("scene", "generate", "builtin", "--elements", "3000", "--steps", "500", "-o", target,
+        cut = Interruption("scene", "generate", "builtin", "--elements", "3000", "--frames", "500", "-o", target,
                            done=5)
         self.assertEqual(cut.code, 130, cut.screen)
         self.assertIn("are complete; interrupted", cut.screen)

@@ -81,21 +81,21 @@ class Json(ProgramTest):
         rows = self.contacts()[1:]
         document = json.loads(self.good("detect", self.sequence, "--json"))
         self.assertEqual(document["total"]["contacts"], len(rows))
-        self.assertEqual(sum(pair["vf_contacts"] + pair["ee_contacts"] for pair in document["part_pairs"]), len(rows))
+        self.assertEqual(sum(pair["vf_contacts"] + pair["ee_contacts"] for pair in document["object_pairs"]), len(rows))
         first = min((int(row[0]), float(row[6])) for row in rows)
         self.assertEqual(document["earliest_step"], first[0])
-        self.assertEqual(document["part_pairs"][0]["first_toi"], first[1])
+        self.assertEqual(document["object_pairs"][0]["first_toi"], first[1])
         header = self.contacts()[0]
-        parts = {tuple(sorted(int(row[header.index(name)]) for name in ("part_1", "part_2"))) for row in rows}
-        self.assertEqual({tuple(pair["parts"]) for pair in document["part_pairs"]}, parts)
+        objects = {tuple(sorted(int(row[header.index(name)]) for name in ("object_1", "object_2"))) for row in rows}
+        self.assertEqual({tuple(pair["objects"]) for pair in document["object_pairs"]}, objects)
         self.assertTrue(json.loads(self.good("verify", self.sequence, "--json"))["clean"])
         info = json.loads(self.good("info", self.sequence, "--json"))
-        self.assertEqual(sum(part["elements"] for part in info["step_0"]["parts"]),
-                         sum(info["step_0"]["elements"].values()))
+        self.assertEqual(sum(one["elements"] for one in info["frame_0"]["objects"]),
+                         sum(info["frame_0"]["elements"].values()))
 
     def test_an_interrupted_run_follows_it_too(self):
         long = self.path("long.vtkhdf")
-        self.good("scene", "generate", "builtin", "--elements", "2000", "--steps", "100", "-o", long)
+        self.good("scene", "generate", "builtin", "--elements", "2000", "--frames", "100", "-o", long)
         cut = Interruption("detect", long, "--json", "--pipeline", "NavCCD", done=2)
         self.assertEqual(cut.code, 130, cut.screen)
         document = self.valid(cut.out, "detect")

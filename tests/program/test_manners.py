@@ -183,9 +183,11 @@ class Manners(ProgramTest):
                 (["queries", self.sequence, "--candidates", "--narrowphase", "incluson"], "'inclusion'"),
                 (["detect", "octopii"], "'octopi'"), (["info", "livre-quick"], "'liver-quick'"),
                 (["scene", "generate", "octopy", "-o", self.path("x")], "'octopi'"),
-                (["scene", "picture", self.sequence, "--parts", "Plat", "-o", self.path("x")], "'Plate'"),
+                (["scene", "picture", self.sequence, "--objects", "Plat", "-o", self.path("x")], "'Plate'"),
                 (["experiment", "run", "culing"], "'culling'"), (["experiment", "table", "table2"], "'table1'")):
             self.bad(*arguments, says=f"did you mean {near}", env=data)
+        self.bad("detect", self.sequence, "--parts", "components", says="option '--parts' is called '--objects' now")
+        self.bad("scene", "picture", self.sequence, "--step", "1", "-o", self.path("x"), says="called '--frames' now")
         done = run("detect", self.sequence, "--nothing-like-it")
         self.assertEqual((done.returncode, "did you mean" in done.stderr), (2, False), done.stderr)
 
@@ -251,10 +253,10 @@ class Manners(ProgramTest):
                                 (["check", "csat", "--trials", "20"], "checking csat: 1 of 20 trials"),
                                 (["queries", self.sequence, "--candidates", "--steps", ":3", "--sample", "10"],
                                  "testing queries: 1 of 3 steps"),
-                                (["scene", "picture", self.sequence, "--step", "0,1,2", "--size", "300", "-o",
+                                (["scene", "picture", self.sequence, "--frames", "0,1,2", "--size", "300", "-o",
                                   os.devnull],
                                  "drawing: 1 of 3 panels"),
-                                (["scene", "generate", "builtin", "--elements", "200", "--steps", "5", "-o",
+                                (["scene", "generate", "builtin", "--elements", "200", "--frames", "5", "-o",
                                   self.path("x.vtkhdf")], "computing builtin: 1 of 5 frames")):
             code, screen = on_a_terminal(*arguments)
             self.assertEqual(code, 0, screen)

@@ -101,7 +101,7 @@ class Report(ProgramTest):
 
     def test_ctrl_c_leaves_the_earlier_report(self):
         long = self.path("long.vtkhdf")
-        self.good("scene", "generate", "builtin", "--elements", "3000", "--steps", "150", "-o", long)
+        self.good("scene", "generate", "builtin", "--elements", "3000", "--frames", "150", "-o", long)
         os.makedirs(self.path("interrupted"), exist_ok=True)
         for command, source, name in (("report", self.results, "cloth-ball"), ("view", long, "long")):
             with self.subTest(command):

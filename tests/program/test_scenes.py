@@ -12,17 +12,17 @@ from program_support import ProgramTest
 class Scenes(ProgramTest):
     def test_picture(self):
         target = self.path("picture.png")
-        self.good("scene", "picture", self.sequence, "--step", "2", "--size", "160x120", "-o", target)
+        self.good("scene", "picture", self.sequence, "--frames", "2", "--size", "160x120", "-o", target)
         with open(target, "rb") as file:
             png = file.read()
         self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
         self.assertEqual(struct.unpack(">II", png[16:24]), (160, 120))
-        self.good("scene", "picture", self.sequence, self.sequence, "--step", "0,4", "--size", "200", "--cut", "y=50%",
+        self.good("scene", "picture", self.sequence, self.sequence, "--frames", "0,4", "--size", "200", "--cut", "y=50%",
                   "--edges", "--no-contacts", "-o", self.path("panels.png"))
-        self.bad("scene", "picture", self.sequence, "--step", "5", "-o", target, says="0:5")
+        self.bad("scene", "picture", self.sequence, "--frames", "5", "-o", target, says="0:5")
         self.bad("scene", "picture", self.sequence, "--size", "0x7", "-o", target, says="--size")
         self.bad("scene", "picture", self.sequence, "--view", "up", "-o", target, says="view")
-        self.bad("scene", "picture", self.sequence, "--parts", "nobody", "-o", target, says="nobody")
+        self.bad("scene", "picture", self.sequence, "--objects", "nobody", "-o", target, says="nobody")
         self.bad("scene", "picture", self.sequence, "-o", self.path("no/such/picture.png"), says="picture.png")
         with open(target, "rb") as file:
             self.assertEqual(file.read(), png)

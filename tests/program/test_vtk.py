@@ -85,16 +85,16 @@ class Vtk(ProgramTest):
         self.assertEqual((len(read["points"]), read["cells"], set(read["types"])), (len(rows), len(rows), {1}))
         data = read["point_data"]
         info = json.loads(self.good("info", self.sequence, "--json"))
-        time = {motion["motion"]: motion["time"] for motion in info["motions"]}
-        time[info["steps"] - 1] = info["end_time"]
+        time = {step["step"]: step["time"] for step in info["steps"]}
+        time[info["frames"] - 1] = info["end_time"]
         for i, row in enumerate(rows):
             row = dict(zip(header, row))
             number = lambda *names: [float(row[name]) for name in names]
             self.assertEqual(read["points"][i], number("px", "py", "pz"))
             self.assertEqual(data["Normal"][i], number("nx", "ny", "nz"))
             self.assertEqual(data["VertexIds"][i], number("a", "b", "c", "d"))
-            for array, name in (("Step", "step"), ("TimeOfImpact", "toi"), ("AtStart", "at_start"), ("Part1", "part_1"),
-                                ("Part2", "part_2"), ("Element1", "element_1"), ("Element2", "element_2")):
+            for array, name in (("Step", "step"), ("TimeOfImpact", "toi"), ("AtStart", "at_start"), ("Object1", "object_1"),
+                                ("Object2", "object_2"), ("Element1", "element_1"), ("Element2", "element_2")):
                 self.assertEqual(data[array][i], number(name), array)
             self.assertEqual(data["Kind"][i], [["VF", "EE"].index(row["kind"])])
             step = int(row["step"])
@@ -108,7 +108,7 @@ class Vtk(ProgramTest):
             ids = [int(row[name]) for name in "abcd"]
             split = 1 if row["kind"] == "VF" else 2
             for feature, side in ((ids[:split], "1"), (ids[split:], "2")):
-                of = steps.setdefault(int(row["step"]), {}).setdefault(tuple(feature), [0, 2.0, row["part_" + side]])
+                of = steps.setdefault(int(row["step"]), {}).setdefault(tuple(feature), [0, 2.0, row["object_" + side]])
                 of[0], of[1] = of[0] + 1, min(of[1], float(row["toi"]))
         return steps
 
@@ -129,7 +129,7 @@ class Vtk(ProgramTest):
             for i, corners in enumerate(one["corners"]):
                 self.assertEqual((one["types"][i], data["Feature"][i]), ({1: 1, 2: 3, 3: 5}[len(corners)], [len(corners) - 1]))
                 found[tuple(ids[v] for v in corners)] = [data["Contacts"][i][0], data["TimeOfImpact"][i][0],
-                                                         str(int(data["Part"][i][0]))]
+                                                         str(int(data["Object"][i][0]))]
                 at = times[k - number] + data["TimeOfImpact"][i][0] * (times[k - number + 1] - times[k - number])
                 self.assertTrue(math.isclose(data["Time"][i][0], at, rel_tol=1e-12, abs_tol=1e-12))
             self.assertEqual(found, expected.get(k - 1, {}))
@@ -139,7 +139,7 @@ class Vtk(ProgramTest):
         header, *rows = self.contacts("--vtk", series)
         rows = [dict(zip(header, row)) for row in rows]
         info = json.loads(self.good("info", self.sequence, "--json"))
-        times = [motion["time"] for motion in info["motions"]] + [info["end_time"]]
+        times = [step["time"] for step in info["steps"]] + [info["end_time"]]
         self.good("scene", "export", self.sequence, "-o", self.path("frame.vtkhdf"))
         _, frames = self.by_vtk(*(self.path(f"frame_{k:04}.vtkhdf") for k in range(len(times))))
         points = [frame["points"] for frame in frames]
@@ -178,23 +178,23 @@ class Vtk(ProgramTest):
 
     def test_single_steps(self):
         """The files can also be read with VTK 9.1, the version in Debian 12."""
-        shown = self.good("scene", "export", self.sequence, "--steps", "1:4", "-o", self.path("step.vtkhdf"))
+        shown = self.good("scene", "export", self.sequence, "--frames", "1:4", "-o", self.path("step.vtkhdf"))
         self.assertIn("3 frames written", shown)
-        self.assertIn("1 frame written", self.good("scene", "export", self.sequence, "--steps", "0", "-o", self.path("one.vtkhdf")))
+        self.assertIn("1 frame written", self.good("scene", "export", self.sequence, "--frames", "0", "-o", self.path("one.vtkhdf")))
         files = [self.path(f"step_{k:04}.vtkhdf") for k in (1, 2, 3)]
         _, read = self.by_vtk(*files)
         info = json.loads(self.good("info", self.sequence, "--json"))
         for step, name, one in zip((1, 2, 3), files, read):
             self.assertEqual(one["messages"], [])
-            self.assertEqual(one["field_data"]["TimeValue"], [[info["motions"][step]["time"]]])
+            self.assertEqual(one["field_data"]["TimeValue"], [[info["steps"][step]["time"]]])
             same = json.loads(self.good("info", name, "--json"))
             self.assertEqual((len(one["points"]), one["cells"]),
-                             (same["points"], sum(same["step_0"]["elements"].values())))
+                             (same["points"], sum(same["frame_0"]["elements"].values())))
             self.assertEqual(set(one["types"]), {12})
             self.assertEqual([ids[0] for ids in one["point_data"]["GlobalPointIds"]], list(range(same["points"])))
             parts = [part for (part,) in one["cell_data"]["PartId"]]
             self.assertEqual({part: parts.count(part) for part in set(parts)},
-                             {part["part"]: part["elements"] for part in same["step_0"]["parts"]})
+                             {one["object"]: one["elements"] for one in same["frame_0"]["objects"]})
         # The contacts of motion 1 lie within the boxes of its two ends.
         rows = [row for row in self.contacts("--steps", "1")[1:]]
         both = read[0]["points"] + read[1]["points"]
@@ -207,11 +207,11 @@ class Vtk(ProgramTest):
         if version < [9, 3]:
             self.skipTest(f"VTK {version[0]}.{version[1]} does not know temporal VTKHDF (9.3 does): see `scene export`")
         info = json.loads(self.good("info", self.sequence, "--json"))
-        self.assertEqual((read["messages"], read["steps"]), ([], info["steps"]))
-        self.assertEqual(read["cells"], sum(info["step_0"]["elements"].values()))
+        self.assertEqual((read["messages"], read["steps"]), ([], info["frames"]))
+        self.assertEqual(read["cells"], sum(info["frame_0"]["elements"].values()))
 
     def test_what_is_refused(self):
-        self.bad("scene", "export", self.sequence, "--steps", "9", "-o", self.path("x.vtkhdf"), says="--steps")
+        self.bad("scene", "export", self.sequence, "--frames", "9", "-o", self.path("x.vtkhdf"), says="--frames")
         self.bad("scene", "export", self.sequence, "-o", self.path("no/x.vtkhdf"), says="no/x_0000.vtkhdf")
 
 

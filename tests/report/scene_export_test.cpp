@@ -106,7 +106,7 @@ TEST_F(SceneExport, ShowsSurfacePositionsAndContactsOfTheFile) {
 /// Used by tests that export every pair.
 class SmallSceneExport : public SceneExport {
  protected:
-  SmallSceneExport() : SceneExport({{"elements", "200"}, {"steps", "6"}}) {}
+  SmallSceneExport() : SceneExport({{"elements", "200"}, {"frames", "6"}}) {}
 };
 
 /// Numbers of pairs that a stage dropped and kept in a motion, as the statistics count them.

@@ -43,7 +43,7 @@ def setUpModule():
     global FOLDER, BROWSER, TEMPORARY
     TEMPORARY = tempfile.TemporaryDirectory()
     FOLDER = Path(TEMPORARY.name)
-    run(FOLDER, "scene", "generate", "builtin", "--elements", "600", "--steps", "7", "-o", FOLDER / "run.vtkhdf")
+    run(FOLDER, "scene", "generate", "builtin", "--elements", "600", "--frames", "7", "-o", FOLDER / "run.vtkhdf")
     run(FOLDER, "view", FOLDER / "run.vtkhdf", "-o", FOLDER / "view")
     run(FOLDER, "experiment", "run", "projectile", "--quick", "-o", FOLDER / "results")
     for name in ("table1", "scenes", "plus"):
@@ -446,14 +446,14 @@ class View(Page):
         self.assertGreaterEqual(marked, 0)
         BROWSER.set(".time", str(20 * marked))
 
-    def test_display_and_parts(self):
+    def test_display_and_objects(self):
         self.go_to_contacts()
         self.redraws(lambda: BROWSER.click("input[name=lines]"), "edges")
         self.redraws(lambda: BROWSER.click("input[name=marks]"), "contacts")
         BROWSER.click("input[name=marks]")
         self.redraws(lambda: BROWSER.set("select[name=kinds]", "0"), "contacts within an object")
         self.redraws(lambda: BROWSER.set("select[name=kinds]", "1"), "contacts between objects")
-        for name in ("input[name=part-0]", "button[name=no-parts]", "button[name=all-parts]"):
+        for name in ("input[name=object-0]", "button[name=no-objects]", "button[name=all-objects]"):
             self.redraws(lambda n=name: BROWSER.click(n), name)
 
     def test_section_planes(self):
@@ -544,7 +544,7 @@ CONTROLS = {
     "view": ["a.skip", "header a", "canvas", ".timeline", ".time", ".speed", ".play", "button[aria-label='next step']",
              "button[aria-label='previous step']", ".stage-choice", "input[name=lines]", "input[name=marks]",
              "select[name=kinds]", "select[name=up]", "button[name^=view-]", "input[name^=cut-]", "input[name^=at-]",
-             "button[name^=flip-]", "input[name^=part-]", "button[name=all-parts]", "button[name=no-parts]"],
+             "button[name^=flip-]", "input[name^=object-]", "button[name=all-objects]", "button[name=no-objects]"],
     "drawer": ["button[name=close]", ".scene-name a", "details summary"]}
 
 

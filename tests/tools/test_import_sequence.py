@@ -190,7 +190,7 @@ class Files(Importer):
             self.assertEqual(set(grid["Types"][:].tolist()), {12 if as_hexahedra else 13})
             self.assertRegex(self.info, r"wedge +16\n")
             self.assertEqual("nodes repeat, read as: 16 hexahedra as wedges" in self.info, as_hexahedra)
-            for extra in ((), ("--edges", "polytope"), ("--pairs", "inter", "--parts", "components")):
+            for extra in ((), ("--edges", "polytope"), ("--pairs", "inter", "--objects", "components")):
                 target = self.path("contacts.csv")
                 done = subprocess.run([VOLCCD, "detect", self.target, "--contacts", target, *extra], capture_output=True,
                                       text=True, check=False)

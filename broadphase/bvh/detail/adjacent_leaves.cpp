@@ -97,7 +97,7 @@ void AdjacentLeaves::make_block(std::span<const Index> slots, const Adjacency& a
   }
 }
 
-void AdjacentLeaves::forget(Index begin, Index end) {
+void AdjacentLeaves::remove(Index begin, Index end) {
   for (Index p = begin - begin % leaf_size_; p < std::min(end, elements_); p += leaf_size_) {
     forgotten_ += known_[p];
     known_[p] = 0;

@@ -40,7 +40,7 @@ class AdjacentLeaves {
               Executor& executor);
 
   /// Removes the leaves of these positions, whose elements were reordered or replaced, from the table.
-  void forget(Index begin, Index end);
+  void remove(Index begin, Index end);
 
   bool has(Index leaf) const { return leaf < elements_ && known_[leaf] != 0; }
 

@@ -77,7 +77,7 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
   for (const Index slot : touched) {
     if (const Index position = positions_[slot]; position < built_elements_) {
       if (mesh.is_live(slot) && is_near(step, position, vertices)) {
-        adjacent_leaves_.forget(position, position + 1);
+        adjacent_leaves_.remove(position, position + 1);
         continue;
       }
       slots_[position] = kNone;
@@ -192,7 +192,7 @@ std::size_t KdopTree::restructure(const Step& step, double degradation, const Bo
   });
   std::size_t elements = 0;
   for (const Degraded& d : degraded_) {
-    adjacent_leaves_.forget(nodes_[d.node].begin, nodes_[d.node].end);
+    adjacent_leaves_.remove(nodes_[d.node].begin, nodes_[d.node].end);
     depth_ = std::max(depth_, d.depth);
     elements += size(d);
   }

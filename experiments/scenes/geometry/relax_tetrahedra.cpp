@@ -21,12 +21,12 @@ class Relaxation {
       : solid_(solid),
         x_(positions),
         tetrahedra_(tetrahedra),
-        around_(x_.size()),
+        tetrahedra_at_(x_.size()),
         near_(x_.size()),
         surface_(x_.size(), false) {
     std::vector<std::array<Index, 3>> faces;
     for (Index t = 0; t < tetrahedra.size(); ++t) {
-      for (const Index v : tetrahedra[t]) around_[v].push_back(t);
+      for (const Index v : tetrahedra[t]) tetrahedra_at_[v].push_back(t);
       for (const auto& f : kFaces) {
         std::array<Index, 3> face = {tetrahedra[t][f[0]], tetrahedra[t][f[1]], tetrahedra[t][f[2]]};
         std::sort(face.begin(), face.end());
@@ -87,7 +87,7 @@ class Relaxation {
   /// The smallest altitude of the tetrahedra at v; negative if one of them is inverted.
   double smallest_altitude(Index v) const {
     double smallest = std::numeric_limits<double>::infinity();
-    for (const Index t : around_[v]) {
+    for (const Index t : tetrahedra_at_[v]) {
       const auto& [a, b, c, d] = tetrahedra_[t];
       const double volume = (x_[b] - x_[a]).cross(x_[c] - x_[a]).dot(x_[d] - x_[a]);
       double area = 0;
@@ -103,8 +103,8 @@ class Relaxation {
   const ImplicitSolid& solid_;
   std::vector<Vec3>& x_;
   const std::vector<std::array<Index, 4>>& tetrahedra_;
-  std::vector<std::vector<Index>> around_;  ///< tetrahedra at each vertex
-  std::vector<std::vector<Index>> near_;    ///< neighbours of each vertex, towards whose centroid it moves
+  std::vector<std::vector<Index>> tetrahedra_at_;  ///< tetrahedra at each vertex
+  std::vector<std::vector<Index>> near_;           ///< neighbours of each vertex, towards whose centroid it moves
   std::vector<bool> surface_;
 };
 

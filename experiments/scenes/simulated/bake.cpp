@@ -36,7 +36,8 @@ BakeSettings complete(const SimulatedScene& scene, BakeSettings settings) {
   if (settings.elements == 0) settings.elements = scene.default_elements;
   if (settings.frames == 0) settings.frames = scene.frames;
   if (settings.elements < 1) throw ConfigError(scene.name + ": elements is not positive");
-  if (settings.frames < 2 || settings.frames > 100'000) throw ConfigError(scene.name + ": steps is not in 2 .. 100000");
+  if (settings.frames < 2 || settings.frames > 100'000)
+    throw ConfigError(scene.name + ": frames is not in 2 .. 100000");
   return settings;
 }
 
@@ -279,13 +280,13 @@ SequenceMetadata bake_metadata(const SimulatedScene& scene, const BakeSettings& 
   const BakeSettings settings = complete(scene, given);
   SequenceMetadata metadata;
   metadata.title = fmt::format("{}: {}", scene.name, scene.description);
-  metadata.source = fmt::format("volccd scene {} --elements {} --steps {} --seed {} (version {})", scene.name,
+  metadata.source = fmt::format("volccd scene generate {} --elements {} --frames {} --seed {} (version {})", scene.name,
                                 settings.elements, settings.frames, settings.seed, scene.version);
   metadata.license = "Apache-2.0";
   metadata.units = "m (mass in kg)";
   metadata.time_unit = "second";
   for (std::size_t i = 0; i < model.bodies.size(); ++i)
-    if (!model.bodies[i].name.empty()) metadata.part_names[static_cast<std::int32_t>(i) + 1] = model.bodies[i].name;
+    if (!model.bodies[i].name.empty()) metadata.object_names[static_cast<std::int32_t>(i) + 1] = model.bodies[i].name;
   return metadata;
 }
 

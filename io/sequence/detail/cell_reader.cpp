@@ -155,7 +155,7 @@ void CellReader::read_objects(SequenceCells& cells) {
   for (std::size_t i = 0; i < cells.size(); ++i) {
     cells.objects[i] = static_cast<std::int32_t>(numbers_[i]);
     if (cells.objects[i] != numbers_[i])
-      fail(*layout_.part_ids, i, i, cells, fmt::format("the part id {} exceeds 32 bits", numbers_[i]));
+      fail(*layout_.part_ids, i, i, cells, fmt::format("the object {} exceeds 32 bits", numbers_[i]));
   }
 }
 

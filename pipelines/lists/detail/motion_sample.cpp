@@ -72,7 +72,7 @@ ListPolicy::Motion MotionSample::compare(const Step& step, const ListPolicy& pol
   });
   if (distance <= budget) steps_ = std::max(steps_, steps), distance_ = distance;
   const ListPolicy::Motion found{length, distance <= kJump * budget ? distance_ : kUnknown, steps_, edge_};
-  if (distance > distance_ || steps * length > policy.reach() * edge_) begin(step);
+  if (distance > distance_ || steps * length > policy.max_travel() * edge_) begin(step);
   return found;
 }
 

@@ -11,7 +11,7 @@ namespace volccd::detail {
 
 /// Predicts that some vertices, evenly spaced among the slots, go on on straight lines as in one step, and compares the
 /// steps after it with that: those of a solver that goes on, that vibrates, and that asks about a step again. Begins
-/// anew when a list of that reach would end. Not thread-safe.
+/// anew where a list would end (ListPolicy::max_travel()). Not thread-safe.
 class MotionSample {
  public:
   /// What is known about the motion of this step, and of the steps since the prediction was made, for this policy.
@@ -20,7 +20,7 @@ class MotionSample {
   /// Predicts from this step on.
   void begin(const Step& step);
   /// The next step is compared with no other one.
-  void forget() { starts_.clear(); }
+  void clear() { starts_.clear(); }
 
   std::size_t bytes() const { return heap_bytes(starts_, ways_); }
 

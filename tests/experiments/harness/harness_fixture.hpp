@@ -19,7 +19,7 @@ namespace volccd::test {
 class Harness : public testing::Test {
  protected:
   Harness() : file_(folder_ / "builtin.vtkhdf") {
-    write_scene(*make_scene("builtin", {{"elements", "200"}, {"steps", "9"}}), file_);
+    write_scene(*make_scene("builtin", {{"elements", "200"}, {"frames", "9"}}), file_);
   }
 
   ExperimentPlan plan(int rounds, std::vector<StepWindow> windows) const {

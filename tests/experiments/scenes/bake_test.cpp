@@ -142,7 +142,7 @@ TEST_F(Bake, TheBarIsTornAndItsRecordSaysSo) {
   EXPECT_EQ(reader.time(5), 0.1);
   EXPECT_TRUE(reader.has_velocity());
   EXPECT_FALSE(reader.has_thickness());
-  EXPECT_EQ(reader.metadata().part_names.at(1), "bar");
+  EXPECT_EQ(reader.metadata().object_names.at(1), "bar");
   EXPECT_GT(reader.point_count(), 20u);
   SequenceCells cells;
   reader.read_cells(5, cells);
@@ -156,14 +156,14 @@ TEST_F(Bake, TheBarIsTornAndItsRecordSaysSo) {
   for (const auto& frame : record["frames"]) splits += frame["edits"]["splits"].get<std::uint64_t>();
   EXPECT_GT(splits, 0u);
 
-  const std::vector<MotionStatistics> motions = sequence_statistics(reader, serial_);
-  ASSERT_EQ(motions.size(), 5u);
+  const std::vector<StepStatistics> steps = sequence_statistics(reader, serial_);
+  ASSERT_EQ(steps.size(), 5u);
   std::uint64_t edits = 0;
-  for (const MotionStatistics& motion : motions) {
-    EXPECT_EQ(motion.elements.at(ElementType::hexahedron), 4u);
-    EXPECT_EQ(motion.added, motion.removed);
-    EXPECT_GT(motion.largest_motion, 0);
-    edits += motion.added;
+  for (const StepStatistics& step : steps) {
+    EXPECT_EQ(step.elements.at(ElementType::hexahedron), 4u);
+    EXPECT_EQ(step.added, step.removed);
+    EXPECT_GT(step.largest_motion, 0);
+    edits += step.added;
   }
   EXPECT_GT(edits, 0u);
 }

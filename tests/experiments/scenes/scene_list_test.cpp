@@ -39,20 +39,20 @@ TEST(SceneList, EveryDefaultIsAcceptedAsAValue) {
 TEST(SceneList, OptionsReachTheScene) {
   const Shape mesh = block(ElementType::hexahedron, 3, 2, 2);
   const auto scene = make_scene(
-      "deform", {{"motion", "collide"}, {"amount", "0.5"}, {"copies", "4"}, {"steps", "6"}, {"seed", "3"}}, &mesh);
+      "deform", {{"motion", "collide"}, {"amount", "0.5"}, {"copies", "4"}, {"frames", "6"}, {"seed", "3"}}, &mesh);
   EXPECT_EQ(scene->frames(), 6);
   EXPECT_EQ(scene->vertex_count(), 4 * mesh.positions.size());
   std::vector<Vec3> x, y;
   scene->positions(5, x);
   make_deform(mesh, {.motions = {{DeformKind::collide, 0.5}}, .copies = 4, .frames = 6, .seed = 3})->positions(5, y);
   EXPECT_EQ(x, y);
-  EXPECT_EQ(make_scene("builtin", {{"steps", "5"}})->frames(), 5);
+  EXPECT_EQ(make_scene("builtin", {{"frames", "5"}})->frames(), 5);
 }
 
 TEST(SceneList, FramesBeforeAStopAreKeptAndMarked) {
   const test::ScratchFolder folder;
   const std::string file = folder / "stopped.vtkhdf";
-  const auto scene = make_scene("builtin", {{"elements", "300"}, {"steps", "9"}});
+  const auto scene = make_scene("builtin", {{"elements", "300"}, {"frames", "9"}});
   EXPECT_EQ(write_scene(*scene, file, [](int) { return false; }).done, 0);
   EXPECT_FALSE(std::filesystem::exists(file)) << "no frame, no file";
   const StepsDone steps = write_scene(*scene, file, [](int done) { return done < 4; });
@@ -67,8 +67,8 @@ TEST(SceneList, RefusesWhatItDoesNotKnow) {
   EXPECT_THROW(make_scene("nosuch", {}), ConfigError);
   EXPECT_THROW(make_scene("deform", {}), ConfigError);
   EXPECT_THROW(make_scene("builtin", {}, &mesh), ConfigError);
-  EXPECT_THROW(make_scene("deform", {{"steps", "1"}}, &mesh), ConfigError);
-  EXPECT_THROW(make_scene("deform", {{"steps", "two"}}, &mesh), ConfigError);
+  EXPECT_THROW(make_scene("deform", {{"frames", "1"}}, &mesh), ConfigError);
+  EXPECT_THROW(make_scene("deform", {{"frames", "two"}}, &mesh), ConfigError);
   EXPECT_THROW(make_scene("deform", {{"speed", "2"}}, &mesh), ConfigError);
   EXPECT_THROW(make_scene("deform", {{"amount", "nan"}}, &mesh), ConfigError);
   EXPECT_THROW(make_scene("deform", {{"motion", "fly"}}, &mesh), ConfigError);

@@ -28,7 +28,7 @@ class FirstStepsExperiment : public testing::Test {
 };
 
 TEST_F(FirstStepsExperiment, RowsHaveTheParts) {
-  write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "4"}}), file_);
+  write_scene(*make_scene("builtin", {{"elements", "150"}, {"frames", "4"}}), file_);
   const std::vector<json> rows = made_rows(first_steps_rows, context("cloth-ball"));
   ASSERT_EQ(rows.size(), 5u);
   for (std::size_t round = 0; round < rows.size(); ++round) {
@@ -48,7 +48,7 @@ TEST_F(FirstStepsExperiment, RowsHaveTheParts) {
 }
 
 TEST_F(FirstStepsExperiment, TheOnlyMotionOfASequenceIsRepeated) {
-  write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "2"}}), file_);
+  write_scene(*make_scene("builtin", {{"elements", "150"}, {"frames", "2"}}), file_);
   for (const json& row : made_rows(first_steps_rows, context("cloth-ball")))
     EXPECT_GT(row.at("later_s").get<double>(), 0);
 }

@@ -47,7 +47,7 @@ class MadeUpPeer final : public BroadPhase {
 class PeersExperiment : public testing::Test {
  protected:
   PeersExperiment() : file_(folder_ / "builtin.vtkhdf") {
-    write_scene(*make_scene("builtin", {{"elements", "200"}, {"steps", "9"}}), file_);
+    write_scene(*make_scene("builtin", {{"elements", "200"}, {"frames", "9"}}), file_);
   }
 
   void add_peer(bool loses) {
@@ -97,7 +97,7 @@ TEST_F(PeersExperiment, RowsAndSummary) {
 }
 
 TEST_F(PeersExperiment, AFileOfOneMotionHasAMotionBeforeIt) {
-  write_scene(*make_scene("builtin", {{"elements", "200"}, {"steps", "2"}}), file_);
+  write_scene(*make_scene("builtin", {{"elements", "200"}, {"frames", "2"}}), file_);
   const std::vector<json> rows = made_rows(peers_rows, context("cloth-ball"));
   ASSERT_EQ(rows.size(), 4u * 3);
   for (const json& row : rows) EXPECT_EQ(row.at("step"), 0);

@@ -31,7 +31,7 @@ class RanksExperiment : public testing::Test {
 };
 
 TEST_F(RanksExperiment, RowsOfEachMotionAndNumberOfRanks) {
-  write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "6"}}), file_);
+  write_scene(*make_scene("builtin", {{"elements", "150"}, {"frames", "6"}}), file_);
   std::size_t told = 0;
   PlanContext with_progress = context("octopi-quick");
   with_progress.progress = [&](std::size_t done, std::size_t total) {

@@ -73,7 +73,7 @@ Registry registry_that_loses_contacts() {
 class SubstepsExperiment : public testing::Test {
  protected:
   SubstepsExperiment() : file_(folder_ / "builtin.vtkhdf") {
-    write_scene(*make_scene("builtin", {{"elements", "500"}, {"steps", "9"}}), file_);
+    write_scene(*make_scene("builtin", {{"elements", "500"}, {"frames", "9"}}), file_);
   }
 
   PlanContext context(const Registry& registry, const std::string& scene) const {
@@ -182,13 +182,13 @@ TEST_F(SubstepsExperiment, OtherContactsAreAnError) {
     FAIL() << "a list that loses contacts went unnoticed";
   } catch (const Error& error) {
     const std::string text = error.what();
-    for (const char* part : {"octopi", "motion", "substep 0 of 1,", "without candidate lists", "not the same"})
+    for (const char* part : {"octopi", ", step ", "substep 0 of 1,", "without candidate lists", "not the same"})
       EXPECT_NE(text.find(part), std::string::npos) << text;
   }
 }
 
 TEST_F(SubstepsExperiment, AFileOfOneMotionIsItsOwnWarmUp) {
-  write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "2"}}), file_);
+  write_scene(*make_scene("builtin", {{"elements", "150"}, {"frames", "2"}}), file_);
   const std::vector<json> rows = made_rows(substeps_rows, context(registry_, "cloth-ball"));
   ASSERT_EQ(rows.size(), 3u * 3);
   for (const json& row : rows) EXPECT_EQ(row.at("step"), 0);
@@ -196,7 +196,7 @@ TEST_F(SubstepsExperiment, AFileOfOneMotionIsItsOwnWarmUp) {
 
 /// What was measured before an interruption is not measured again.
 TEST_F(SubstepsExperiment, GoesOnAfterAnInterruption) {
-  write_scene(*make_scene("builtin", {{"elements", "150"}, {"steps", "2"}}), file_);
+  write_scene(*make_scene("builtin", {{"elements", "150"}, {"frames", "2"}}), file_);
   RecordFile record(folder_ / ".", "substeps", json::object());
   PlanContext stopping = context(registry_, "cloth-ball");
   int calls = 0;

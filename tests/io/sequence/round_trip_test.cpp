@@ -112,11 +112,11 @@ TEST(SequenceRoundTrip, Metadata) {
 }
 
 TEST(SequenceRoundTrip, PartNames) {
-  EXPECT_EQ(parse_part_names("f", "1 rail, hat section; 2  box ;3 x"),
+  EXPECT_EQ(parse_object_names("f", "1 rail, hat section; 2  box ;3 x"),
             (std::map<std::int32_t, std::string>{{1, "rail, hat section"}, {2, "box"}, {3, "x"}}));
-  EXPECT_TRUE(parse_part_names("f", " ").empty());
+  EXPECT_TRUE(parse_object_names("f", " ").empty());
   for (const char* bad : {"rail", "1 a; b", "1 a; 1 b", "1a", "99999999999 x", "1 a;; 2 b"})
-    EXPECT_THROW(parse_part_names("f", bad), InputError) << bad;
+    EXPECT_THROW(parse_object_names("f", bad), InputError) << bad;
 }
 
 /// A grid without time as VTK writes it: floats, some 32-bit integers, no ids, no group Steps.

@@ -45,7 +45,7 @@ TEST_P(SharedSequence, HasTheFiguresOfItsReadme) {
   parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
   EXPECT_EQ(parts.size(), f.parts);
   for (const ElementType type : cells.types) ASSERT_EQ(type, f.type);
-  for (const auto& [id, name] : reader.metadata().part_names)
+  for (const auto& [id, name] : reader.metadata().object_names)
     EXPECT_TRUE(std::binary_search(parts.begin(), parts.end(), id)) << name;
   std::vector<Vec3> points;
   reader.read_points(f.steps / 2, points);
@@ -92,7 +92,7 @@ TEST(SharedProjectile, CellsOfEachPartAtEachStep) {
   const std::array plate = {3800, 3800, 3800, 3797, 3784, 3770, 3750, 3724,
                             3676, 3631, 3599, 3577, 3561, 3559, 3559, 3559};
   SequenceReader reader(path);
-  EXPECT_EQ(reader.metadata().part_names, (std::map<std::int32_t, std::string>{{1, "Projectile"}, {2, "Plate"}}));
+  EXPECT_EQ(reader.metadata().object_names, (std::map<std::int32_t, std::string>{{1, "Projectile"}, {2, "Plate"}}));
   SequenceCells cells;
   for (int k = 0; k < 16; ++k) {
     reader.read_cells(k, cells);

@@ -130,14 +130,14 @@ TEST(ListPolicy, BalancesTheCostOfListsAndOfTests) {
 /// A longer list that does not make steps faster, as one that ends early anyway, is followed by shorter ones.
 TEST(ListPolicy, TakesBackWhatDidNotPay) {
   ListPolicy policy = ready();
-  double before = policy.reach();
+  double before = policy.max_travel();
   for (const double list : {1.0, 1.0, 2.0}) {
-    before = policy.reach();
+    before = policy.max_travel();
     policy.record_list(list);
     for (int k = 0; k < 20; ++k) policy.record_use(0.01, 0.01);
     policy.record_end(0, 0, 0);
   }
-  EXPECT_LT(policy.reach(), before);
+  EXPECT_LT(policy.max_travel(), before);
 }
 
 /// A motion that was followed for ten steps may be expected to stay as near for ten more; one that was followed for a
@@ -164,7 +164,7 @@ TEST(ListPolicy, ForgetsWhatAListCost) {
   for (; !policy.has_credit() && steps < 10000; ++steps) policy.record_fresh(1);
   EXPECT_GT(steps, 900);
   EXPECT_LT(steps, 1100);
-  EXPECT_NEAR(policy.reach(), ListPolicy().reach(), 1e-6);
+  EXPECT_NEAR(policy.max_travel(), ListPolicy().max_travel(), 1e-6);
 }
 
 TEST(ListPolicy, BudgetsFollowTheDistances) {
