@@ -142,7 +142,7 @@ TEST_F(Harness, RoundsRunForwardFromTheStepBeforeTheWindow) {
       const int edited = model == MotionModel::tentative ? 4 : 3;
       for (const json& row : record.rows()) {
         EXPECT_EQ(row.at("topology_seconds").get<double>() > 0, row.at("step") == edited)
-            << "motion " << row.at("step") << ", round " << row.at("round");
+            << "step " << row.at("step") << ", round " << row.at("round");
         EXPECT_GT(row.at("first_seconds").get<double>(), 0);
       }
     }
